@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
 import pytest
@@ -13,6 +14,7 @@ from spoken import rhb
 from station_rig import ITEM, StationRig
 
 from dray.body import Book, OpenDock
+from dray.memory import DepartureMemory
 from dray.messages import (
     CommandAnswered,
     Docked,
@@ -24,9 +26,10 @@ from dray.messages import (
 )
 from dray.messages.fact import LoadDoubted
 from dray.protocol.runtime.events import Effect
+from dray.protocol.runtime.life import Life
 from dray.protocol.station.station import Station
 from dray.protocol.transports.dock_door import IN_DOUBT
-from dray.protocol.transports.doubts import ASKS_AFTER_S, DOUBTS_KEPT, DOUBTS_OF_ONE
+from dray.protocol.transports.doubts import ASKS_AFTER_S, DOUBTS_KEPT, DOUBTS_OF_ONE, Doubts
 from dray.protocol.transports.visits import UNHEARD_S
 
 STOCK = 400
@@ -105,3 +108,12 @@ def test_after_people_have_looked_for_a_load_its_vehicle_is_let_in_again() -> No
     [answer] = sent(rig.on_message("gateway", granted("S1", looked)), CommandAnswered)
     assert answer.done
     assert instructed(takes(rig, "M8-1"), OpenDock)
+
+
+def test_whatever_a_vehicle_leaves_in_doubt_few_of_its_loads_are_asked_for_and_those_of_others_too() -> None:
+    doubts = Doubts(Life())
+    for number in range(NAMES):
+        for atv in ("ATV2", f"V{number % 4}"):
+            doubts.note(DepartureMemory(atv, f"{atv}-{number // 4}", 1, ITEM, 1))
+    counted = Counter(doubt.load.vehicle for doubt in doubts.memories())
+    assert counted == dict.fromkeys(("ATV2", "V0", "V1", "V2", "V3"), DOUBTS_OF_ONE)

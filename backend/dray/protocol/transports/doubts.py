@@ -68,9 +68,15 @@ class Doubts:
         return sum(doubt.load.vehicle == vehicle for doubt in self._doubts.values()) >= DOUBTS_OF_ONE
 
     def note(self, load: DepartureMemory) -> None:
-        """Nobody can tell of a load. Repeating this is harmless."""
+        """Nobody can tell of a load. Repeating this is harmless. Of one vehicle few are noted: who looks for those counts the rest."""
         known = any(_is_same(doubt.load, load) for doubt in self._doubts.values())
-        if known or not load.change or load.item in self.measured or load.item in ("", THING):
+        if (
+            known
+            or self.has_too_many(load.vehicle)
+            or not load.change
+            or load.item in self.measured
+            or load.item in ("", THING)
+        ):
             return
         self._count += 1
         name = f"{self.place}{self._life.mark}-load-{self._count}"
