@@ -101,10 +101,10 @@ class Assessor:
         A restricted carrier accuses a place only if nobody else takes its task, and one that accuses another place accuses no
         second one.
         """
-        if self.docks.accuses_another(carrier, place):
+        has_stalled, failure = reason is Reason.STALLED, Failure(carrier, task)
+        if has_stalled and self.docks.accuses_another(carrier, place):
             return False
-        failure = Failure(carrier, task)
-        is_alone = reason is Reason.STALLED and self.docks.is_alone(place, item, failure)
+        is_alone = has_stalled and self.docks.is_alone(place, item, failure)
         if self.reliability.is_restricted(carrier, now_s):
             return is_alone
         before = self.docks.note(place, item, reason, failure)

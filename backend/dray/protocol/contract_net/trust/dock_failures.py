@@ -11,9 +11,9 @@ storage has promised, because the dock is held. Such a place knows by itself tha
 The two do not count together: a dock may be held because others stand there.
 
 One carrier alone, however often it fails, says nothing of a place: it may lie, or be broken. But one that has dropped a
-task gets it again only while nobody else takes it: that task waits anyway. Two may lie together. So a
-carrier that has accused a place accuses no other one until such a load has moved there or a person has looked: with
-each further place its failures count against it. A restarted coordinator begins without prejudice, as in `reliability`.
+task gets it again only while nobody else takes it: that task waits anyway. Two may lie together. So a carrier for which
+a person is to look at a place accuses no other one until such a load has moved there or the person has looked: what it
+fails to do at others counts against it. A restarted coordinator begins without prejudice, as in `reliability`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from dray.protocol.runtime.bounded_map import BoundedMap
 
 DOCKS_KEPT = 256
 """Maximum remembered loads at docks: more than one coordinator has transports open. A forgotten one begins anew."""
-
 
 ALONE = 3
 """Failures in a row by one carrier alone after which a person looks."""
@@ -66,7 +65,8 @@ class DockFailures:
         if before is None or before.carrier == failure.carrier:
             self._last[key] = failure
             return None
-        self._accusers[place, item] = before.carrier, failure.carrier
+        if reason is Reason.STALLED:  # Otherwise nobody is asked to look.
+            self._accusers[place, item] = before.carrier, failure.carrier
         return before
 
     def is_alone(self, place: str, item: str, failure: Failure) -> bool:
