@@ -276,7 +276,7 @@ class TaskBrief(Part, frozen=True, omit_defaults=True):
     detail: Text = ""
     stranded: StrandedGoods | UnsetType = UNSET
     fails_at: IdOrNone = ""
-    """With `DISPUTED`: the place where two carriers in a row could not load or unload it, and where a person is asked to look."""
+    """With `DISPUTED`: the place where carriers have failed to load or unload it, and where a person is asked to look."""
 
 
 class GoalBrief(Part, frozen=True, omit_defaults=True):

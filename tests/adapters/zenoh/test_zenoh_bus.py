@@ -16,7 +16,7 @@ from prometheus_client import CollectorRegistry
 from zenoh_kit import PATIENCE_S, Row, free_address, multicast_works
 
 from dray.adapters.zenoh import bus as bus_module
-from dray.adapters.zenoh.bus import NEWER, UNREADABLE, ZenohBus
+from dray.adapters.zenoh.bus import NEWER, ON_A_PATTERN, UNREADABLE, ZenohBus
 from dray.adapters.zenoh.links import Links
 from dray.adapters.zenoh.stamp import KNOWN, Stamp, Tally, read_stamp, write_stamp
 from dray.adapters.zenoh.tokens import UNSIGNED
@@ -243,6 +243,38 @@ def test_a_token_that_says_no_life_is_ignored_and_counted(key: str) -> None:
             await row.settle()
         assert agent.heard == ["1"]
         assert dict(there.refused) == {UNSIGNED: 1}
+
+    on(2, test)
+
+
+@pytest.mark.parametrize("key", ["p/alive/*/9/-", "p/alive/A$*/9/-", "p/alive/**", "**/A/9/-", "p/*/A/9/-"])
+def test_a_token_on_a_pattern_is_nobodys(key: str) -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        agent = Agent(there, "A", life=1)
+        with here.inner.liveliness().declare_token(key):
+            await row.settle()
+            assert await there.agents_present() == {"A"}
+            here.inner.put("p/agent/@A", TAKEN, attachment=STAMP)
+            await row.settle()
+        assert agent.heard == ["1"]
+        assert (set(there.refused), there.failures.total) == ({UNSIGNED}, 0)
+
+    on(2, test)
+
+
+@pytest.mark.parametrize("key", ["p/hb/**", "p/hb/x$*", "p/**", "p/*/x"])
+def test_what_is_said_on_a_pattern_reaches_nobody_and_is_counted(key: str) -> None:
+    async def test(row: Row) -> None:
+        here, there = row.buses
+        agent = Agent(there, "A")
+        agent.session.subscribe("p/hb/**")
+        await row.settle()
+        here.inner.put(key, TAKEN, attachment=STAMP)
+        here.inner.put("p/hb/x", TAKEN, attachment=write_stamp(Stamp(1, 2)))
+        await row.settle()
+        assert agent.heard == ["1"]
+        assert dict(there.refused) == {ON_A_PATTERN: 1}
 
     on(2, test)
 

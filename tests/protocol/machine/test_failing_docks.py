@@ -170,7 +170,7 @@ def test_the_second_vehicle_that_loads_in_vain_is_followed_by_a_person_and_by_no
     assert (brief.primary, brief.trouble, brief.fails_at) == ("", Reason.DISPUTED, "M7")
     call = calls(rig, task)[-1]
     assert (call.problem.kind, call.problem.needs_person) == (ProblemKind.DOCK, True)
-    assert call.reason == f"two vehicles could not load {LOT} pump-p3 for {brief.destination} at M7"
+    assert call.reason == f"ATV2 and ATV3 could not load {LOT} pump-p3 for {brief.destination} at M7"
     assert (call.x_m, call.y_m) == PLANT.position_of("M7")
 
 
@@ -256,7 +256,7 @@ def test_the_next_life_of_the_machine_still_waits_for_the_word() -> None:
     rig.run(rig.now_s + AGES_S)
     assert rounds(rig, task) == 0
     assert told(rig, task).fails_at == "M7"
-    assert calls(rig, task)
+    assert calls(rig, task)[-1].reason.startswith("vehicles could not load")
     assert says(rig, KIND.LOAD_MISSING, task) is None
     rig.run(rig.now_s + 1.0)
     assert rounds(rig, task)
@@ -265,13 +265,32 @@ def test_the_next_life_of_the_machine_still_waits_for_the_word() -> None:
 # --- what says nothing of a place ------------------------------------------------------------------
 
 
-def test_one_vehicle_alone_accuses_no_place_however_often_it_fails() -> None:
+def test_one_vehicle_alone_is_charged_and_a_person_looks_once_nobody_else_takes_the_task() -> None:
     rig, task = with_goods()
-    for _ in range(3):
+    for _ in range(2):
         fails(rig, "ATV2", task)
     assert task_of(rig, task).state is TaskState.UNASSIGNED
-    assert surcharges(rig)["ATV2"] > 400.0
     assert calls(rig, task) == []
+    fails(rig, "ATV2", task)
+    assert told(rig, task).fails_at == "M7"
+    assert calls(rig, task)[-1].reason.startswith("ATV2 could not load")
+    assert surcharges(rig)["ATV2"] > 400.0
+    # It is looked at again, however little the vehicle is believed.
+    assert says(rig, KIND.LOAD_MISSING, task) is None
+    for _ in range(3):
+        assert not task_of(rig, task).is_held
+        fails(rig, "ATV2", task)
+    assert told(rig, task).fails_at == "M7"
+
+
+def test_one_vehicle_that_fails_with_one_task_after_another_accuses_no_place() -> None:
+    rig, _ = lacking()
+    for _ in range(4):
+        [task] = [each.id for each in rig.agent._flow.tasks]
+        fails(rig, "ATV2", task, place="S1")
+        rig.agent._flow.withdraw(task_of(rig, task), rig.now_s)
+        rig.run(rig.now_s + 5.0)
+    assert [each for each in rig.agent._flow.tasks if each.is_held] == []
 
 
 def test_a_vehicle_that_others_have_learned_to_doubt_accuses_no_place() -> None:
@@ -299,6 +318,31 @@ def test_another_load_at_the_same_dock_is_another_matter() -> None:
     fails(rig, "ATV2", "M7-1", Phase.UNLOADING)
     fails(rig, "ATV3", "M7-2", Phase.UNLOADING)
     assert [each.id for each in rig.agent._flow.tasks if each.is_held] == []
+
+
+def both_fail(rig: MachineRig, task: str, place: str, phase: Phase = Phase.LOADING) -> None:
+    for atv in ("ATV2", "ATV3"):
+        fails(rig, atv, task, phase, place)
+
+
+def test_two_insiders_have_one_place_looked_at_and_pay_at_every_further_one() -> None:
+    rig = watching(m7(NO_HOUSINGS | {"impeller": 0}, goal=LOT))
+    both_fail(rig, "M7-1", "S1")
+    assert told(rig, "M7-1").fails_at == "S1"
+    assert surcharges(rig) == {}
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    assert [each.id for each in rig.agent._flow.tasks if each.is_held] == ["M7-1"]
+    reliability = rig.agent._flow.tasks.reliability
+    assert all(reliability.is_restricted(atv, rig.now_s) for atv in ("ATV2", "ATV3"))
+
+
+def test_once_a_person_has_looked_the_same_two_may_find_another_place_that_fails() -> None:
+    rig = watching(m7(NO_HOUSINGS | {"impeller": 0}, goal=LOT))
+    both_fail(rig, "M7-1", "S1")
+    assert says(rig, KIND.LOAD_MISSING, "M7-1") is None
+    both_fail(rig, "M7-2", "M7", Phase.UNLOADING)
+    assert told(rig, "M7-2").fails_at == "M7"
 
 
 HELD_UP: dict[str, dict[str, Any]] = {

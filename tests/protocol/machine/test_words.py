@@ -7,6 +7,7 @@ from defaults import PLANT
 from effects import facts, instructed, published, sent
 from m7 import FULL, m7, outgoing
 from msgspec import UNSET
+from msgspec.structs import replace
 from rigs import MachineRig
 from seals import granted
 from spoken import production
@@ -27,6 +28,8 @@ from dray.protocol.machine.people.command_handling import NO_PEOPLE
 
 KIND = MachineCommandKind
 MADE = MachineCommand(command="w1", kind=KIND.MADE, item="pump", quantity=2, issued_by="Maria")
+
+REFUSED = WordTaken("shift-lead/w1", CommandRefusal.UNLIKELY, "1")
 
 
 def worked() -> MachineRig:
@@ -58,6 +61,21 @@ def test_one_that_comes_again_is_passed_on_and_answered_again_and_told_of_once()
     assert sent(effects, CommandAnswered) == [CommandAnswered("w1", done=True)]
     assert facts(effects, CommandObeyed) == []
     assert sent(rig.report(WordTaken("shift-lead/w1")), CommandAnswered) == []
+
+
+@pytest.mark.parametrize("taken", [WordTaken("shift-lead/w1"), REFUSED])
+def test_a_copy_that_comes_after_its_grants_end_gets_the_answer_of_its_word(taken: WordTaken) -> None:
+    rig = worked()
+    rig.on_message("gateway", granted("M7", MADE))
+    [answer] = sent(rig.report(taken), CommandAnswered)
+    effects = rig.on_message("gateway", granted("M7", MADE, valid_until_s=-1.0))
+    assert sent(effects, CommandAnswered) == [answer]
+    assert (instructed(effects, Word), facts(effects, CommandObeyed)) == ([], [])
+    [other] = sent(
+        rig.on_message("gateway", granted("M7", replace(MADE, command="w2"), valid_until_s=-1.0)),
+        CommandAnswered,
+    )
+    assert other.reason is CommandRefusal.EXPIRED
 
 
 def test_a_refusal_of_the_body_is_answered_with_the_expected_number() -> None:

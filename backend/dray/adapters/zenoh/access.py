@@ -5,7 +5,8 @@ that its neighbour never needs to relay. As long as any path may bypass any othe
 processes never reach one another over vehicles. Then nothing of theirs is accepted on a link with a vehicle: neither their
 messages, nor their presence, nor their subscriptions to their own letters.
 
-This adds to seals and letters, and replaces neither: it stops at the first link the messages that those only detect.
+This adds to seals and letters, and replaces neither: it stops at the first link the messages that those only detect. It does
+not stop what is said, or a token, on a pattern that matches such keys: the bus refuses those.
 """
 
 from __future__ import annotations

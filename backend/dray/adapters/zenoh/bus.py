@@ -63,6 +63,8 @@ UNREADABLE = "no message of ours"
 NEWER = "a newer wire version"
 UNSEALED = "not signed by its sender"
 FAILED = "a fault of ours"
+ON_A_PATTERN = "said on a pattern"
+"""Zenoh delivers that to whoever hears a matching key. Its access control does not deny it, and a pattern has no owner."""
 
 
 class _ShutOutError(Exception):
@@ -194,6 +196,9 @@ class ZenohSession:
 
     def _on_sample_of(self, pattern: str, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr)
+        if "*" in key:
+            self._bus.refuse(ON_A_PATTERN)
+            return
         owners = self._owners
         owner = owners.get(key)
         if owner is None:
@@ -331,7 +336,7 @@ class ZenohBus:
         def note(reply: zenoh.Reply) -> None:
             key = "" if reply.ok is None else str(reply.ok.key_expr)
             # An agent counts once, whatever the number of its tokens.
-            if key and key.rsplit("/", 3)[1] not in present and (token := self.tokens.read(key)):
+            if self.tokens.agent_of(key) not in {"", *present} and (token := self.tokens.read(key)):
                 present.add(token.agent)
 
         def end() -> None:

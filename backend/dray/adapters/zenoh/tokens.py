@@ -88,9 +88,13 @@ class Tokens:
         """The pattern of one agent's tokens."""
         return f"{self._under}/{agent}/*/*"
 
+    def agent_of(self, key: str) -> str:
+        """The agent that a key names; empty for none, as a pattern. A pattern passes rules that deny an agent's own keys."""
+        return self._chunks(key)[0]
+
     def read(self, key: str) -> Token | None:
-        """The token of a key on `everybody`; None, and refused, when it is invalid."""
-        agent, life, seal = key.rsplit("/", 3)[1:]
+        """The token of a key; None, and refused, when it is invalid."""
+        agent, life, seal = self._chunks(key)
         if _LIFE.fullmatch(life):
             with contextlib.suppress(SealError):
                 return Token(agent, int(life), seal, self._certificate(agent, int(life), seal))
@@ -98,16 +102,24 @@ class Tokens:
         return None
 
     def brings_news(self, key: str) -> bool:
-        """Whether a key on `everybody` contains a new certificate of its agent.
+        """Whether a key contains a new certificate of its agent.
 
         An agent may declare any number of tokens: known ones cost others no verification.
         """
-        agent, _, seal = key.rsplit("/", 3)[1:]
+        agent, _, seal = self._chunks(key)
         try:
             return self._seals is not None and not self._seals.is_met_by(seal, agent)
         except SealError:
             self._refuse(UNSIGNED)
             return False
+
+    def _chunks(self, key: str) -> tuple[str, str, str]:
+        """Agent, life and seal; empty for a key of another form: tokens on patterns match, too."""
+        under, *chunks = key.rsplit("/", 3)
+        if under != self._under or len(chunks) != 3 or "*" in key:
+            return "", "", ""
+        agent, life, seal = chunks
+        return agent, life, seal
 
     def _certificate(self, agent: str, life: int, seal: str) -> bytes:
         """The agent's certificate, by its signature of this life; on a plain bus every token is believed.

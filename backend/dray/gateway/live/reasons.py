@@ -150,7 +150,7 @@ _WORDS: Mapping[str, str] = {
     ANOTHERS_KEY: "requests places without this vehicle's signature",
     ROBS_PLACES: "keeps a reservation table that was not copied: it takes places from vehicles without their word, "
     "or has a higher number than any reservation table can have",
-    DOCK_FAILS: "two vehicles in a row could not load or unload it: somebody has to look at the dock",
+    DOCK_FAILS: "vehicles fail to load or unload it: somebody has to look at the dock",
     **{reason.value: words for reason, words in (*REASONS.items(), *IMPLAUSIBLE.items())},
 }
 

@@ -173,13 +173,13 @@ class OpenTask:
         self.disputes = 0
         """Handovers without a counted load since a person last looked."""
         self.disputed_by: tuple[str, ...] = ()
-        """Their carriers, as far as this life knows."""
+        """Their carriers, or those that have failed at `fails_at`, as far as this life knows."""
         self.left = False
         """While the task is held: its goods had left their machine."""
         self.perhaps_down: DepartureMemory | None = None
         """While the task is held: the load that its last carrier may have put down, and has forgotten."""
         self.fails_at = ""
-        """While the task is held: the place where two carriers in a row could not load or unload it; empty for another reason."""
+        """While the task is held: the place where carriers have failed to load or unload it; empty for another reason."""
         self.stranded: StrandedGoods | None = None
         """Goods left on board of a failed carrier that no other carrier has yet."""
 

@@ -6,7 +6,7 @@ must not stop the vehicle when no person looks after it any more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Generic, TypeVar
 
 from dray.memory import CommandMemory
@@ -21,6 +21,9 @@ COMMANDS_KEPT = 32
 command is among the last ones."""
 
 C = TypeVar("C", VehicleCommand, MachineCommand)
+
+Answer = tuple[CommandRefusal | None, str]
+"""The reason to refuse a command, and its detail."""
 
 
 class GrantedCommands(Generic[C]):
@@ -83,17 +86,33 @@ class GrantedCommands(Generic[C]):
         return refused is None
 
     def permits(
-        self, sender: str, command: C, places_m: Iterable[tuple[float, float]], now_s: float
+        self,
+        sender: str,
+        command: C,
+        places_m: Iterable[tuple[float, float]],
+        now_s: float,
+        answers: Mapping[str, Answer],
     ) -> Grant | None:
-        """The valid grant of a command that is carried out and answered elsewhere (`tell`); None after a refusal.
+        """The valid grant of a command that is carried out and answered elsewhere (`tell`); None after an answer.
 
-        It covers at least one of `places_m`.
+        It covers at least one of `places_m`. A late copy of a command is answered as the command was.
+
+        Args:
+            sender: the agent to answer; the grant decides.
+            command: the command.
+            places_m: the places that it is about (x, y) in m.
+            now_s: the present time.
+            answers: given before, by `key_of`.
         """
         grant = self._grant_of(sender, command)
         if grant is None:
             return None
         if now_s > grant.valid_until_s:
-            self._refuse(sender, command, CommandRefusal.EXPIRED)
+            before = answers.get(key_of(command, grant))
+            if before is None:
+                self._refuse(sender, command, CommandRefusal.EXPIRED)
+            else:
+                self.tell(sender, command, *before, again=True)
             return None
         if not any(self._authority.covers(command, grant, *place_m) for place_m in places_m):
             self._refuse(sender, command, CommandRefusal.NOT_HERE)
@@ -150,6 +169,11 @@ class GrantedCommands(Generic[C]):
         )
         self._life.send(sender, _answer(command, refused, detail))
         self._life.record(fact)
+
+
+def key_of(command: VehicleCommand | MachineCommand, grant: Grant) -> str:
+    """The key of a command: another person's command may have the same name."""
+    return f"{grant.person}/{command.command}"
 
 
 def _answer(

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from dray.body import Word, WordTaken
 from dray.messages import MachineCommand
-from dray.protocol.people.granted_commands import GrantedCommands
+from dray.protocol.people.granted_commands import Answer, GrantedCommands, key_of
 from dray.protocol.runtime.bounded_map import BoundedMap
 from dray.protocol.runtime.life import Life
 
@@ -25,6 +25,8 @@ class PassedWords:
         self._granted, self._life = granted, life
         self._asked: BoundedMap[str, tuple[str, MachineCommand]] = BoundedMap(WORDS_ASKED)
         """Reports passed to the body, by their keys, with their senders."""
+        self._answers: BoundedMap[str, Answer] = BoundedMap(WORDS_ASKED)
+        """The body's last answers, by the reports' keys: a copy that comes after its grant's end is no new report."""
 
     def pass_on(
         self, sender: str, command: MachineCommand, places_m: Iterable[tuple[float, float]], now_s: float
@@ -37,10 +39,10 @@ class PassedWords:
             places_m: the places that it is about (x, y) in m: the grant covers at least one.
             now_s: the present time.
         """
-        grant = self._granted.permits(sender, command, places_m, now_s)
+        grant = self._granted.permits(sender, command, places_m, now_s, self._answers)
         if grant is None:
             return
-        key = f"{grant.person}/{command.command}"
+        key = key_of(command, grant)
         self._asked[key] = sender, command
         word = Word(
             key=key,
@@ -57,5 +59,6 @@ class PassedWords:
         asked = self._asked.pop(report.key, None)
         if asked is None:
             return None
+        self._answers[report.key] = report.refused, report.detail
         self._granted.tell(*asked, report.refused, report.detail, again=report.again)
         return asked[1] if report.refused is None and not report.again else None

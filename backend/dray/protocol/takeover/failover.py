@@ -12,7 +12,7 @@ Either way the epoch rises. The epoch is the fence: there is one carrier, even i
        +-- no progress at a dock, like the carrier before it --> held
 
 A carrier that lives without progress has failed too (`progress`). Its secondary does not see that, so it is asked.
-Where two carriers in a row stand at one dock in vain, the place is at fault (`dock_failures`): the task is held.
+Where two carriers in a row stand at one dock in vain, or one alone time after time, the task is held (`dock_failures`).
 
 Finished goods that have left their machine exist only once, and so does a thing without master data. No other
 vehicle can carry them, so their task waits for its carrier or for a person's decision (`left_aboard`). A load that
@@ -291,7 +291,7 @@ class Failover:
             self._remedies.conclude(task, now_s)
             return
         fails_at = self._fails_at(task, heartbeat, now_s) if failure is Reason.STALLED else ""
-        if not fails_at:
+        if not fails_at or self._assessor.is_charged(fails_at, task.work_item):
             self.blame(task, failure, now_s)
         progress.blamed = True
         if task.is_loaded:
@@ -303,7 +303,7 @@ class Failover:
             self._remedies.pass_on(task, failure, now_s)
 
     def _fails_at(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> str:
-        """The place where the primary has stalled as another carrier has before it; empty if no place is at fault."""
+        """The place where the primary has stalled as another carrier has before it, or time after time; empty for none."""
         progress, brief, work = task.contract.progress, heartbeat.task, cast(Transport, task.work)
         if progress is None or progress.blamed or brief is None:
             return ""
@@ -318,7 +318,7 @@ class Failover:
         return place if self._note_dock_failure(task, place, Reason.STALLED, now_s) else ""
 
     def _note_dock_failure(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
-        """Note that the primary stood at a place in vain. Returns whether the place is at fault."""
+        """Note that the primary stood at a place in vain. Returns whether the place may be at fault."""
         return self._assessor.note_dock_failure(place, task.work_item, reason, task.primary, task.id, now_s)
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:

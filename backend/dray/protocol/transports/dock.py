@@ -58,6 +58,10 @@ class Dock:
         else:
             self._door.agree(sender, message)
 
+    def may_have_brought(self, task: OpenTask) -> bool:
+        """Whether the carrier of a task was let in, so that it may have put its load down here."""
+        return self._door.visits.may_have_brought(task.primary, task.work_item)
+
     def is_opening(self, vehicle: str) -> bool:
         """Whether a vehicle waits for the body to open the dock, and not for room."""
         return self._door.is_opening(vehicle)

@@ -44,6 +44,9 @@ ASKED_KEPT = 16
 NOT_READY = "the dock is not ready yet"
 """Reason for a vehicle to wait until the controller has made the dock safe."""
 
+IN_DOUBT = "people look for loads that it has left in doubt"
+"""Reason for a vehicle to wait until people have looked (`Doubts.has_too_many`)."""
+
 
 class Door:
     """The door of one dock.

@@ -8,7 +8,8 @@
       +-----------------------+--a person has not found it, has counted the item, or its vehicle has told--> over
 
 A vehicle that remembers tells within seconds, so nobody is asked before. A body that counts leaves no doubt, and no
-person is asked for what its controller measures (`dray.body.StorageState.measured`).
+person is asked for what its controller measures (`dray.body.StorageState.measured`). A vehicle that leaves one load after
+another in doubt may lie: people have to look before the dock opens for it again, to load or to bring something back.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ ASKS_AFTER_S = 30.0
 
 DOUBTS_KEPT = 64
 """Maximum doubts of one place; above that the oldest is forgotten."""
+
+DOUBTS_OF_ONE = 4
+"""Doubts about one vehicle's loads from which on it is let in no more by its own word. An honest one loses its journal here rarely."""
 
 
 class Doubts:
@@ -61,11 +65,19 @@ class Doubts:
         doubt = self._doubts.get(name)
         return doubt.load if doubt is not None and doubt.asked else None
 
+    def has_too_many(self, vehicle: str) -> bool:
+        """Whether people have to look before a vehicle is let in again."""
+        return sum(doubt.load.vehicle == vehicle for doubt in self._doubts.values()) >= DOUBTS_OF_ONE
+
     def note(self, load: DepartureMemory) -> None:
-        """Nobody can tell of a load. Repeating this is harmless."""
+        """Nobody can tell of a load. Repeating this is harmless.
+
+        Of one vehicle few are noted: who looks for those counts the rest.
+        """
         if not load.change or load.item in ("", THING) or load.item in self.measured:
             return  # A person could count nothing, or need not.
-        if any(_is_same(doubt.load, load) for doubt in self._doubts.values()):
+        known = any(_is_same(doubt.load, load) for doubt in self._doubts.values())
+        if known or self.has_too_many(load.vehicle):
             return
         self._count += 1
         name = f"{self.place}{self._life.mark}-load-{self._count}"

@@ -70,7 +70,8 @@ class Handovers:
         if task.contract.receipt.said_s == NEVER_S:
             task.contract.receipt.said_s = now_s
         task.contract.receipt.said = message.quantity
-        if not self.counts:
+        # That it carries a recovered task is known from its carrier alone.
+        if not self.counts and (not task.recovered or self._dock.may_have_brought(task)):
             self._book(task)
         self._judge(task, now_s)
 
@@ -172,7 +173,8 @@ class Handovers:
 
         A second load comes as surplus: it is booked if there is room, and taken back if there is none.
         """
-        is_it = word.task == task.id and word.epoch < task.epoch and self._comes(task)
+        is_it = (word.task, word.item) == (task.id, task.work_item) and word.epoch < task.epoch
+        is_it &= self._comes(task)
         is_whole = word.change >= cast(Transport, task.work).quantity
         other = task.contract.phase in GOODS_ABOARD or task.is_loaded or task.is_counted
         is_disputed = task.is_held and task.perhaps_down is None and not task.fails_at

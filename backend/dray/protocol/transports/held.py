@@ -3,7 +3,7 @@
     disputed        a handover was disputed twice: a third load might be lost like the first two
     perhaps down    the body does not count. An earlier life let the carrier in, and the carrier has forgotten the
                     task and has no such load on board (`Transports.reopen`)
-    fails at        two carriers in a row stood at one dock in vain: a third would, too (`dock_failures`)
+    fails at        two carriers in a row stood at one dock in vain, or one alone time after time (`dock_failures`)
 
 No vehicle carries the transport before a person who is responsible for the destination, or for the place where
 carriers fail, has looked:
@@ -156,7 +156,8 @@ def _reason(task: OpenTask) -> str:
     what = f"{work.quantity} {work.item} for {work.destination}"
     if task.fails_at:
         does = "unload" if task.fails_at == work.destination else "load"
-        return f"two vehicles could not {does} {what} at {task.fails_at}"
+        who = " and ".join(task.disputed_by) or "vehicles"  # An earlier life knew them.
+        return f"{who} could not {does} {what} at {task.fails_at}"
     if task.perhaps_down is not None:
         return f"{what} perhaps put down by {task.perhaps_down.vehicle}, which has forgotten it"
     return f"{what} said to be there twice, and not counted"

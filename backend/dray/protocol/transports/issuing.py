@@ -13,7 +13,7 @@ from typing import Any
 from dray.messages import Docked, Message, StockAsked, StockFreed, StockReserved, StockShort
 from dray.protocol.runtime.life import Change, Life
 from dray.protocol.runtime.shutdown import GracefulShutdown
-from dray.protocol.transports.dock_door import Door
+from dray.protocol.transports.dock_door import IN_DOUBT, Door
 from dray.protocol.transports.reservations import Ask, Reservations
 
 LAPSE = "lapse"
@@ -118,6 +118,9 @@ class Issuing:
         """A vehicle stands here and asks to load."""
         self._door.visits.on_docked(sender, docked, now_s, unloads=False)
         ask = self._book.get(docked.task)
+        if self._door.visits.doubts.has_too_many(sender):
+            self._door.hold(sender, docked, IN_DOUBT)
+            return
         if ask is None or not ask.reserved:
             ask = self._stand(sender, docked, now_s)
         if ask is None:

@@ -110,7 +110,7 @@ class Recovery:
         """The load that a vehicle has moved here for a task without notes, by its own word; None for none.
 
         It hands it over still, or has not driven away with it yet. A vehicle that carries its own coordinator's
-        material comes; whatever else it carries here is from here.
+        material comes; whatever else it carries here is from here. The dock opens for no more than finds room.
         """
         brief, pieces = heartbeat.task, heartbeat.load_quantity
         if brief is None or self._tasks.get(brief.task) or self._tasks.closed(brief.task):
@@ -118,7 +118,7 @@ class Recovery:
         comes = brief.coordinator == self._place and brief.item in self._items
         is_there = heartbeat.load == brief.item and 0 < pieces <= self._stock.level(brief.item)
         if brief.phase is Phase.HANDING_OVER and comes and self.is_listening_for_all:
-            change = brief.quantity
+            change = min(brief.quantity, max(self._stock.room(brief.item), 0))
         elif brief.phase is Phase.CARRYING and is_there and not comes:
             change = -pieces
         else:
@@ -130,4 +130,5 @@ class Recovery:
         return any(task.primary == atv for task in self._tasks)
 
     def _is_ours(self, brief: Brief) -> bool:
-        return brief.item in self._items and brief.phase in ON_THE_WAY and brief.epoch <= EPOCH_MAX
+        is_ours = brief.item in self._items and brief.phase in ON_THE_WAY and brief.epoch <= EPOCH_MAX
+        return is_ours and brief.quantity <= self._stock.level(brief.item) + self._stock.room(brief.item)

@@ -43,7 +43,7 @@ from dray.protocol.runtime.life import Change, Life
 from dray.protocol.transports.bookings import Bookings
 from dray.protocol.transports.called import CalledTransports
 from dray.protocol.transports.dock import Dock
-from dray.protocol.transports.dock_door import Door, ready_within_s
+from dray.protocol.transports.dock_door import IN_DOUBT, Door, ready_within_s
 from dray.protocol.transports.goods_recovery import GoodsRecovery
 from dray.protocol.transports.handovers import Handovers
 from dray.protocol.transports.held import HeldTransports
@@ -192,6 +192,9 @@ class TransportFlow:
         # It may have taken the load here. Its next heartbeat would say so with its forks inside and the dock
         # shut.
         self.visits.on_docked(vehicle, docked, now_s, unloads=True)
+        if self.visits.doubts.has_too_many(vehicle):
+            self.door.hold(vehicle, docked, IN_DOUBT)
+            return
         self.visits.take_back(load, now_s)
         self.door.open(vehicle, docked, docked.item, docked.quantity, now_s, comes=True)
 

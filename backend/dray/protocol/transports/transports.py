@@ -11,7 +11,7 @@ coordinator.
                               the secondary is asked before the announcement
 
 After two disputed handovers it is held, not announced again, until a person has looked (`held`). So it is when its
-carrier may have put the load down and has forgotten it, and when two carriers in a row have failed at one dock.
+carrier may have put the load down and has forgotten it, and when carriers have failed at one dock.
 """
 
 from __future__ import annotations
@@ -228,6 +228,8 @@ class Transports(Coordinator):
         replaced, silent_s = self._supersede(task, task.epoch + 1, why[0], now_s)
         task.states.enter(TaskState.HELD)
         task.left, task.perhaps_down, task.fails_at = left, perhaps_down, fails_at
+        if fails_at:
+            task.disputed_by = self._assessor.docks.accusers(fails_at, task.work_item)
         task.auction = self._auction(task.id, task.epoch, task.work, task.deadline_s)
         task.auction.cancel()
         self._life.cancel((PRIMARY_AUCTION, task.id))
@@ -240,6 +242,8 @@ class Transports(Coordinator):
 
         Goods that had left are made again.
         """
+        if task.fails_at:
+            self._assessor.docks.forget(task.fails_at, task.work_item)
         if task.recovered or task.left:
             self.give_up(task, now_s)
             return
@@ -276,6 +280,7 @@ class Transports(Coordinator):
         """End a task; a delivered one is rated as kept or late."""
         if outcome == "delivered":
             self._assessor.docks.forget(cast(Transport, task.work).destination, task.work_item)
+            self._assessor.docks.forget(task.fails_at, task.work_item)
         if outcome == "delivered" and task.contract.progress is not None:
             now_s, late_s = task.contract.progress.heard_s, task.contract.progress.late_s
             self.reliability.note_kept(task.primary, task.id, late_s, now_s)

@@ -99,6 +99,15 @@ class Visits:
         visit = self._visits.get(vehicle)
         return visit is not None and visit.stage is Stage.INSIDE
 
+    def may_have_brought(self, vehicle: str, item: str) -> bool:
+        """Whether the dock was opened for a vehicle with such a load, in this life or, as far as the body remembers, in an earlier one."""
+        visit = self._visits.get(vehicle)
+        if visit is None:
+            owed = self._owed.get((vehicle, "", 0))
+            return owed is not None and owed.item == item
+        was_let_in = visit.stage is not Stage.WAITS or (visit.brings and visit.is_unnamed)
+        return was_let_in and visit.load.item in ("", item)
+
     def is_here(self, vehicle: str) -> bool:
         """Whether a vehicle waits, or may be inside."""
         visit = self._visits.get(vehicle)
@@ -265,7 +274,7 @@ class Visits:
     def note_brought(self, vehicle: str) -> None:
         """What a vehicle has brought is in the books: it needs no more room, and there is nothing else to report."""
         visit = self._visits.get(vehicle)
-        if visit is not None and visit.brings and self.counts:
+        if visit is not None and visit.brings and (self.counts or visit.is_unnamed):
             visit.load = replace(visit.load, change=0)
             self._life.commit()
         self.forget_owed(vehicle)
@@ -315,13 +324,18 @@ class Visits:
     def on_word(self, load: DepartureMemory, node: str) -> None:
         """A vehicle says at a node what it moves: taken for the load for which an earlier life without notes let it in here.
 
-        What the body remembers as a load to take keeps the name under which it is booked.
+        What the body remembers as a load to take keeps the name under which it is booked. Of what the body remembers as
+        a load to bring, the vehicle brings no other item and no more pieces.
         """
         visit = self._visits.get(load.vehicle)
         if visit is None or not visit.is_followed or visit.takes or not visit.is_unnamed:
             return
+        remembered = visit.load
+        if remembered.change and (load.change < 0 or load.item != remembered.item):
+            return
         if node == self._node and not self.counts:
-            visit.load, visit.stage = load, Stage.LEAVING
+            change = min(load.change, remembered.change) if remembered.change else load.change
+            visit.load, visit.stage = replace(load, change=change), Stage.LEAVING
             self._life.commit()
 
     def on_carried_away(self, vehicle: str) -> None:

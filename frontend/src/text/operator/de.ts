@@ -308,7 +308,7 @@ export const de: Catalogue<typeof en> = {
   "doubt.more.there": "Gedrückt halten: kommt zum Bestand dazu",
   "doubt.more.missing": "Gedrückt halten: der Bestand bleibt, wie er ist",
   "held.dock.title": "Nach dem Dock sehen: {place}",
-  "held.dock.what": "Zwei Fahrzeuge nacheinander konnten dort {quantity} × {item} nicht laden oder abgeben.",
+  "held.dock.what": "Fahrzeuge konnten dort {quantity} × {item} nicht laden oder abgeben.",
   "held.dock.look": "Sehen Sie nach, ob das Dock arbeitet und ob die Ladung da ist; berichtigen Sie zuerst einen falschen Bestand. Vorher kommt niemand mehr dafür.",
   "held.dock.inOrder": "Es ist in Ordnung",
   "held.dock.byHand": "Von Hand gebracht",

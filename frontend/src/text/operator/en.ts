@@ -306,7 +306,7 @@ export const en = {
   "doubt.more.there": "Press and hold: it is added to the stock",
   "doubt.more.missing": "Press and hold: the stock stays as it is",
   "held.dock.title": "Look at the dock of {place}",
-  "held.dock.what": "Two vehicles in a row could not load or unload {quantity} × {item} there.",
+  "held.dock.what": "Vehicles could not load or unload {quantity} × {item} there.",
   "held.dock.look": "Look whether the dock works and whether the load is there; correct a wrong count first. Nobody comes for it before that.",
   "held.dock.inOrder": "It is in order",
   "held.dock.byHand": "Brought by hand",

@@ -308,7 +308,7 @@ export const es: Catalogue<typeof en> = {
   "doubt.more.there": "Mantener pulsado: se suma a las existencias",
   "doubt.more.missing": "Mantener pulsado: las existencias quedan como están",
   "held.dock.title": "Mirar el muelle de {place}",
-  "held.dock.what": "Dos vehículos seguidos no pudieron cargar ni descargar allí {quantity} × {item}.",
+  "held.dock.what": "Los vehículos no pudieron cargar ni descargar allí {quantity} × {item}.",
   "held.dock.look": "Mire si el muelle funciona y si la carga está ahí; corrija antes una cuenta equivocada. Antes no viene nadie por ella.",
   "held.dock.inOrder": "Está en orden",
   "held.dock.byHand": "Se llevó a mano",

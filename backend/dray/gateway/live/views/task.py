@@ -110,7 +110,7 @@ class TaskView(View, kw_only=True):
     trouble: CauseView | None = None
     """Why it does not go on, by its coordinator's word; None when it does."""
     fails_at: str = ""
-    """The place where two vehicles in a row could not load or unload it, while a person is asked to look there."""
+    """The place where vehicles have failed to load or unload it, while a person is asked to look there."""
     stranded: StrandedView | None = None
     """Set while its goods wait for a person, or for a vehicle at the handover place."""
     carriers: tuple[CarrierView, ...] = ()

@@ -96,16 +96,25 @@ class Assessor:
     def note_dock_failure(
         self, place: str, item: str, reason: Reason, carrier: str, task: str, now_s: float
     ) -> bool:
-        """Note that a carrier stood at a place in vain. Returns whether the place is at fault, and no vehicle.
+        """Note that a carrier stood at a place in vain. Returns whether a person is to look: the place may be at fault.
 
-        A restricted carrier accuses no place.
+        A restricted carrier accuses a place only if nobody else takes its task, and one that accuses another place accuses no
+        second one.
         """
-        if self.reliability.is_restricted(carrier, now_s):
+        has_stalled, failure = reason is Reason.STALLED, Failure(carrier, task)
+        if has_stalled and self.docks.accuses_another(carrier, place):
             return False
-        before = self.docks.note(place, item, reason, Failure(carrier, task))
+        is_alone = has_stalled and self.docks.is_alone(place, item, failure)
+        if self.reliability.is_restricted(carrier, now_s):
+            return is_alone
+        before = self.docks.note(place, item, reason, failure)
         if before is not None:
             self.reliability.take_back(before.carrier, before.task, now_s)
-        return before is not None
+        return is_alone or before is not None
+
+    def is_charged(self, place: str, item: str) -> bool:
+        """Whether a failure at a place where a person is to look counts against its carrier: no other one has failed there."""
+        return len(self.docks.accusers(place, item)) < 2
 
     def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Credible finish time of a contractor (see `Plausibility.believed_s`)."""
