@@ -83,6 +83,21 @@ ONE_LINE = """() => {
     && boxes.at(-1).right <= head.getBoundingClientRect().right && head.scrollWidth <= head.clientWidth;
 }"""
 
+ROWS_CUT = """(body) => {
+  const clip = body.getBoundingClientRect();
+  return [...body.querySelectorAll("li.order")].filter((row) => {
+    const { bottom, top } = row.getBoundingClientRect();
+    return top < clip.bottom - 1 && bottom > clip.bottom + 1;
+  }).map((row) => row.textContent);
+}"""
+"""Orders of which a part is in sight."""
+
+LEAST_APART = """chips => Math.min(...chips.slice(1).map((chip, index) =>
+  chip.getBoundingClientRect().left - chips[index].getBoundingClientRect().right))"""
+"""Pixels between two layers."""
+
+APART_PX = 4
+
 TOPS = "all => new Set(all.map(each => each.getBoundingClientRect().top)).size"
 
 
@@ -107,6 +122,22 @@ def test_on_a_laptop_layers_are_one_line_no_figure_is_cut_and_the_field_find_ope
         if width_px == 1280:
             screenshot(page, f"laptop-{language}")
         field.blur()
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_small_laptop_layers_stand_apart_and_no_order_and_no_strip_is_cut(
+    busy: Any, open_page: Callable[..., Page], screenshot: Callable[..., Path], language: str
+) -> None:
+    page = open_page(f"{busy.url}/#plant?at=machine:M12", locale=LOCALES[language])
+    expect(page.locator(".machine .recent-track .doing").first).to_be_attached()
+    expect(page.locator(".atv .recent-track .doing").first).to_be_attached()
+    for width_px, height_px in ((1280, 800), (1280, 900)):
+        page.set_viewport_size({"width": width_px, "height": height_px})
+        for strip in (".machine .recent", ".atv .recent"):
+            expect(page.locator(strip)).to_be_in_viewport(ratio=1)
+        assert page.locator(".orders .card-body").evaluate(ROWS_CUT) == []
+        assert page.locator(".map .chip span").evaluate_all(LEAST_APART) >= APART_PX
+        screenshot(page, f"small-laptop-{language}-{height_px}")
 
 
 @pytest.mark.parametrize("language", LOCALES)

@@ -308,6 +308,18 @@ def test_whom_a_change_would_let_wait_is_a_way_to_that_order(
         quiet.ask(f"/api/orders/{each}/cancel", {})
 
 
+def test_on_a_laptop_what_saves_a_change_is_in_sight(quiet: Any, factory: str, open_page: OpenPage) -> None:
+    order = place(quiet, "PO-SAVED", 60, 3600.0)
+    story = f"/api/orders/{order}/timeline"
+    quiet.advance_until(lambda: bool(quiet.ask(story)["estimates"]), step_s=STEP_S)
+    page = open_page(f"{factory}/#orders/{order}")
+    expect(page.locator(".order-estimates")).to_be_visible()
+    for name in ("Undo", "Save changes"):
+        button = page.locator(".order-change").get_by_role("button", name=name)
+        expect(button).to_be_in_viewport(ratio=1)
+    quiet.ask(f"/api/orders/{order}/cancel", {})
+
+
 PRINTED = """addEventListener("afterprint", () => {
     window.printed = [".order-moments li", ".order-estimates li"].map(rows => document.querySelectorAll(rows).length);
 });

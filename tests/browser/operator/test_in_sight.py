@@ -98,6 +98,16 @@ def test_on_a_tablet_vehicles_and_material_stand_above_the_fold_and_duty_is_a_li
     screenshot(page, "in-sight-tablet")
 
 
+def test_on_a_tablet_that_lies_the_line_of_duty_is_whole_and_its_state_says_of_what_it_is(
+    vehicles: dict[str, Puppet], enter: Enter
+) -> None:
+    page = enter(viewport=LYING)
+    all_there(page)
+    expect(page.locator(".duty")).to_be_in_viewport(ratio=1)
+    expect(page.locator(".top-duty")).to_contain_text("My duty")
+    expect(page.locator(".top-duty")).to_contain_text("Off duty")
+
+
 @pytest.mark.parametrize("size", [LYING, UPRIGHT, PHONE], ids=["lying", "upright", "phone"])
 def test_a_call_stays_in_sight_is_heard_and_named_by_the_tab(
     house: OpenHouse,

@@ -48,7 +48,7 @@ export function TopBar() {
   );
 }
 
-/** Whether this person is on duty, and the way to where that is changed: below the vehicles. */
+/** Whether this person is on duty, under what it is about: a state alone would read like a deed. It leads to where that is changed. */
 function ToDuty() {
   const state = duty.value?.state;
   if (state === undefined) return null;
@@ -63,7 +63,8 @@ function ToDuty() {
         card?.querySelector("button")?.focus({ preventScroll: true });
       }}
     >
-      {t(`duty.${state}`)}
+      <small>{t("duty.mine")}</small>
+      <b>{t(`duty.${state}`)}</b>
     </button>
   );
 }

@@ -85,6 +85,7 @@ function AtvCard({ atv }: { atv: AtvView }) {
         speed={speed}
         problemText={problemText}
       />
+      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />
@@ -111,7 +112,6 @@ function AtvCard({ atv }: { atv: AtvView }) {
         </Fact>
         <ClockFact clock={atv.clock} />
       </Facts>
-      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
       <div class="stock-row battery">
         <span>{t("atv.battery")}</span>
         <Meter

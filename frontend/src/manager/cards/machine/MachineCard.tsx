@@ -52,6 +52,7 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
     >
       {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
       {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
+      <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
       <Facts>
         <FaultFacts agent={spec.id} />
         {machine && <UpdateFact agent={machine} />}
@@ -69,7 +70,6 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
         </Fact>
         <ClockFact clock={machine?.clock} />
       </Facts>
-      <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
       <Documents machine={machine} name={nameOf} />
       <Doubts agent={spec.id} station={false} doubts={machine?.doubts ?? []} />
       <Stock title={t("machine.buffers")} buffers={machine?.buffers ?? []} />

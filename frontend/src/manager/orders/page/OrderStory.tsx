@@ -68,6 +68,8 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
               <WaitsText waits={order.waits} />
             </Card>
           )}
+          {/* What can be done comes before what was: its buttons are in sight on a laptop. */}
+          <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
           <EstimatesCard
             key={`estimates ${id}`}
             estimates={story.estimates}
@@ -77,7 +79,6 @@ function Page({ again, kept, story }: { kept: OrderAnswer; story: Story; again: 
             untilS={isClosed(order) ? endOf(order, story) : nowS.value}
             hasEnded={isClosed(order)}
           />
-          <ChangeCard key={`change ${id}`} kept={kept} onChanged={again} />
           <LinkCard
             key={id}
             title={t("links.title")}
