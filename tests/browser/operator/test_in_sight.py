@@ -98,14 +98,16 @@ def test_on_a_tablet_vehicles_and_material_stand_above_the_fold_and_duty_is_a_li
     screenshot(page, "in-sight-tablet")
 
 
-def test_on_a_tablet_that_lies_the_line_of_duty_is_whole_and_its_state_says_of_what_it_is(
+def test_on_a_tablet_that_lies_the_state_of_duty_says_of_what_it_is_and_leads_to_all_of_its_line(
     vehicles: dict[str, Puppet], enter: Enter
 ) -> None:
     page = enter(viewport=LYING)
     all_there(page)
+    state = page.locator(".top-duty")
+    expect(state).to_contain_text("My duty")
+    expect(state).to_contain_text("Off duty")
+    state.tap()
     expect(page.locator(".duty")).to_be_in_viewport(ratio=1)
-    expect(page.locator(".top-duty")).to_contain_text("My duty")
-    expect(page.locator(".top-duty")).to_contain_text("Off duty")
 
 
 @pytest.mark.parametrize("size", [LYING, UPRIGHT, PHONE], ids=["lying", "upright", "phone"])

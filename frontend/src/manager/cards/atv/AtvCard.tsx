@@ -85,7 +85,9 @@ function AtvCard({ atv }: { atv: AtvView }) {
         speed={speed}
         problemText={problemText}
       />
-      <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
+      <div class="recent-place">
+        <Later load={async () => (await import("../strip/RecentStrip")).loadAtv()} />
+      </div>
       <Facts>
         <FaultFacts agent={atv.id} />
         <UpdateFact agent={atv} />

@@ -52,7 +52,9 @@ export function MachineCard({ spec, machine }: { spec: MachineSpec; machine: Mac
     >
       {machine?.shut_out && <ShutOutNote agent={spec.id} kind="machine" out={machine.shut_out} />}
       {machine?.problem && !machine.shut_out && <p class="problem">{failureText(machine.problem)}</p>}
-      <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
+      <div class="recent-place">
+        <Later load={async () => (await import("../strip/RecentStrip")).loadMachine()} />
+      </div>
       <Facts>
         <FaultFacts agent={spec.id} />
         {machine && <UpdateFact agent={machine} />}
