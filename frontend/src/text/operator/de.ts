@@ -111,7 +111,7 @@ export const de: Catalogue<typeof en> = {
   "duty.sound": "Ein Ton, wenn jemand Sie ruft?",
   "duty.soundYes": "Mit Ton",
   "duty.soundNo": "Ohne",
-  "duty.now": "Mein Dienst: {state}. Ändern",
+  "duty.change": "Ändern",
   "duty.until": "bis {at}",
   "duty.title": "Im Dienst",
   "duty.mine": "Mein Dienst",

@@ -109,7 +109,7 @@ export const en = {
   "duty.sound": "A sound when somebody calls you?",
   "duty.soundYes": "With sound",
   "duty.soundNo": "Without",
-  "duty.now": "My duty: {state}. Change it",
+  "duty.change": "Change it",
   "duty.until": "until {at}",
   "duty.title": "On duty",
   "duty.mine": "My duty",

@@ -111,7 +111,7 @@ export const es: Catalogue<typeof en> = {
   "duty.sound": "¿Un sonido cuando alguien le llame?",
   "duty.soundYes": "Con sonido",
   "duty.soundNo": "Sin sonido",
-  "duty.now": "Mi guardia: {state}. Cambiar",
+  "duty.change": "Cambiar",
   "duty.until": "hasta las {at}",
   "duty.title": "De guardia",
   "duty.mine": "Mi guardia",
