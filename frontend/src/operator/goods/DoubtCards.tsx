@@ -1,4 +1,3 @@
-import { Tag } from "../../parts/Tag";
 import { freshness, world } from "../../stream/stream";
 import { isPast } from "../../stream/freshness";
 import { vehicleName } from "../../text/elsewhere";
@@ -33,7 +32,6 @@ function DoubtCard({ doubt }: { doubt: Doubt }) {
       <div class="vehicle-body">
         <header>
           <h2>{t("doubt.title", { item: names.value(item), place: placeOf(place) })}</h2>
-          <Tag tone="warn">{place}</Tag>
         </header>
         <div class="vehicle-now">
           <p class="help-what">{doubtText(doubt)}</p>
@@ -42,7 +40,7 @@ function DoubtCard({ doubt }: { doubt: Doubt }) {
         <div class="vehicle-acts">
           {([true, false] as const).map((there) => (
             <HoldButton key={String(there)} class="button fault-gone" disabled={disabled} onHeld={() => void sayCounted(doubt, there)}>
-              <b>{t(there ? "command.load_there" : "command.load_missing")}</b>
+              <b>{t(there ? "doubt.there" : "doubt.missing", pieces)}</b>
               <small>{t(there ? "doubt.more.there" : "doubt.more.missing")}</small>
             </HoldButton>
           ))}
