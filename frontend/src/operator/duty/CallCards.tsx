@@ -154,7 +154,7 @@ function wrongText({ goods, place, problem, reason }: CallView) {
     const doubt = world.value === null ? undefined : doubtsOf(world.value).find(({ load }) => load === goods);
     if (doubt !== undefined) return <b>{doubtText(doubt)}</b>;
     const task = world.value?.tasks.get(goods);
-    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${lookText(task)}`}</b>;
+    if (task !== undefined && isHeld(task)) return <><b>{heldText(task)}</b> {lookText(task)}</>;
     return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (
