@@ -80,6 +80,9 @@ function kindText(alert: AlertView, nowS: number, speed: number): string {
         order: goods === null || goods.order_name === "" ? "–" : goods.order_name,
         node: goods?.handed_at ?? "",
       });
+    // It is told of a transport: whose dock that is must be said.
+    case "dock_fails":
+      return t("alerts.what.dock_fails", { place: alert.agent });
     case "load_doubtful":
       return t(doubt?.brought === true ? "alerts.what.load_doubtfulBrought" : "alerts.what.load_doubtful", {
         quantity: format.count(doubt?.quantity ?? 0),

@@ -117,7 +117,7 @@ describe("an alert says", () => {
     expect(whatText(dock, 100, 1).replaceAll("\u202f", " ")).toBe("Its dock has not got ready for ATV2 for 70 s");
     const fails = alert({ kind: "dock_fails", agent: "M8", task: "M8-9", response: "see_to_dock" });
     expect([whatText(fails, 100, 1), asksText(fails)]).toEqual([
-      "Vehicles fail to load or unload at its dock",
+      "Vehicles fail to load or unload at the dock of M8",
       "Look at its dock",
     ]);
   });

@@ -6,7 +6,7 @@ import { format, t } from "../text/operator";
 import { AreaMap } from "./area/AreaMap";
 import { CallCard } from "./call/CallCard";
 import { Cards } from "./cards/Cards";
-import { CallCards } from "./duty/CallCards";
+import { AskingCalls, TakenCalls } from "./duty/CallCards";
 import { DutyCard } from "./duty/DutyCard";
 import { forms } from "./cards/forms";
 import { groupsOf, type Groups, movedCards, shownGroups } from "./cards/need";
@@ -28,7 +28,7 @@ import { StopBar } from "./stop/StopBar";
 import { WordsCard } from "./words/WordsCard";
 import { Unconfirmed } from "./stop/Unconfirmed";
 
-/** Who needs somebody, then the place, then who is well: one page that scrolls. Every Stop is below it, always. */
+/** Who needs somebody, then the place, then who is well: one page that scrolls. Who asks this person is above it, every Stop below it, always. */
 export function Floor() {
   const page = useRef<HTMLElement>(null);
   const held = useSignal(false);
@@ -81,8 +81,9 @@ export function Floor() {
   const count = needing.length + goods + disputed + doubtful + gate + needsSomebody(world.value?.machines.values() ?? [], moment.value);
   return (
     <>
+      <AskingCalls />
       <main ref={page} id="vehicles" tabIndex={-1}>
-        <CallCards />
+        <TakenCalls />
         {count > 0 && (
           <p class="needing-head">
             <b>{t("cards.needingCount", { count: format.count(count) })}</b> <span class="muted">{t("cards.joinBelow")}</span>

@@ -92,6 +92,10 @@ ROWS_CUT = """(body) => {
 }"""
 """Orders of which a part is in sight."""
 
+STANDS_OUT = """head => Math.max(...[...head.querySelectorAll("*")].map(each => each.getBoundingClientRect().right))
+  - head.getBoundingClientRect().right"""
+"""Pixels by which something stands out of the head of the map."""
+
 LEAST_APART = """chips => Math.min(...chips.slice(1).map((chip, index) =>
   chip.getBoundingClientRect().left - chips[index].getBoundingClientRect().right))"""
 """Pixels between two layers."""
@@ -136,6 +140,9 @@ def test_on_a_small_laptop_layers_stand_apart_and_no_order_and_no_strip_is_cut(
         for strip in (".machine .recent", ".atv .recent"):
             expect(page.locator(strip)).to_be_in_viewport(ratio=1)
         assert page.locator(".orders .card-body").evaluate(ROWS_CUT) == []
+        expect(page.locator(".orders")).to_be_in_viewport(ratio=1)
+        expect(page.locator(".finder input")).to_be_visible()
+        assert page.locator(".map-head").evaluate(STANDS_OUT) <= 0
         assert page.locator(".map .chip span").evaluate_all(LEAST_APART) >= APART_PX
         screenshot(page, f"small-laptop-{language}-{height_px}")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from doubtful_load import DOUBT, MachineInDoubt
@@ -25,7 +26,7 @@ def house(sqlite_url: str) -> Iterator[OpenHouse]:
 
 
 def test_the_alert_leads_to_the_machine_whose_card_takes_what_was_counted(
-    house: OpenHouse, open_page: OpenPage
+    house: OpenHouse, open_page: OpenPage, screenshot: Callable[..., Path]
 ) -> None:
     async def join(inside: House) -> MachineInDoubt:
         return MachineInDoubt(inside, 0.0)
@@ -38,6 +39,7 @@ def test_the_alert_leads_to_the_machine_whose_card_takes_what_was_counted(
     row.get_by_role("button", name=f"Show {STATION}").click()
     asked = page.locator(".card.machine .load-seen")
     expect(asked).to_contain_text(f"whether {DOUBT.vehicle} took them")
+    screenshot(page, "doubtful-load-card")
     asked.get_by_role("button", name="It is there").click()
     expect(asked).to_have_count(0)
     expect(page.get_by_text("perhaps lie there")).to_have_count(0)

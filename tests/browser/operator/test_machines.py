@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -117,6 +118,7 @@ def test_a_broken_machine_is_seen_to_by_a_person_and_taken_out_of_service(
     expect(card).to_contain_text("ATV2")
     expect(card).to_contain_text("ATV6")
     expect(card.locator(".fault-gone")).to_be_disabled()
+    expect(card.locator(".steps")).to_contain_text(re.compile("^(Speed|Tempo)"))
     assert_touchable(*card.locator("button").all())
     screenshot(page, f"machine-help-{look}")
 

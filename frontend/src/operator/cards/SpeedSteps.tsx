@@ -12,7 +12,7 @@ const SAME = 1e-6;
 export function SpeedSteps({ atv }: { atv: AtvView }) {
   const disabled = hindranceOf("set_speed", atv, circumstancesOf(atv)) !== null;
   return (
-    <div class="steps named" role="group" aria-label={t("steps.title", { atv: atv.id })}>
+    <div class="steps" role="group" aria-label={t("steps.title", { atv: atv.id })}>
       <span aria-hidden="true">{t("steps.short")}</span>
       {STEPS.map((step) => {
         const percent = format.percent(step);

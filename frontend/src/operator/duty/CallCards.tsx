@@ -1,5 +1,5 @@
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { CallView } from "../../api/types";
 import { Tag } from "../../parts/Tag";
 import { THING } from "../../plant/names";
@@ -20,25 +20,59 @@ import { answer, callFailed, duty, missed } from "./duty";
 /** How long it takes to walk over and put something right. */
 const MINUTES = [2, 5, 10];
 
-/** Calls for help that ask this person, or that this person has taken. */
-export function CallCards() {
-  const calls = duty.value?.calls.filter(({ part }) => part !== null) ?? [];
+/** Calls for help that ask this person, above the page: wherever it has been scrolled to they are in sight, and cover nothing of it. */
+export function AskingCalls() {
+  const region = useRef<HTMLDivElement>(null);
+  useEffect(() => (region.current ? keepInPlace(region.current) : undefined), []);
+  const calls = duty.value?.calls.filter(({ part }) => part !== null && part !== "taken") ?? [];
   const said = missed.value === null ? callFailed.value : missedText(missed.value);
   return (
-    <div class="calls-live" aria-live="assertive">
-      {said !== "" && calls.length === 0 && <p class="card call-failed">{said}</p>}
-      {calls.length > 0 && (
+    <div ref={region} class="calls-live" aria-live="assertive">
+      {(said !== "" || calls.length > 0) && (
         // Focusable itself: it scrolls, and in its first half second no button can have the focus.
-        <ul tabIndex={0} class={`cards calls ${calls.some(({ part }) => part === "asked") ? "asking" : ""}`} aria-label={t("call.title")}>
-          {/* With the cards, which stay in sight: above them nobody would see it. */}
-          {said !== "" && <li class="card call-failed">{said}</li>}
-          {calls.map((call) => (
-            <CallCard key={call.id} call={call} />
-          ))}
-        </ul>
+        <section tabIndex={0} class="calls-asking" aria-label={t("call.title")}>
+          {said !== "" && <p class="card call-failed">{said}</p>}
+          <Calls calls={calls} />
+        </section>
       )}
     </div>
   );
+}
+
+/** Calls that this person has taken. */
+export function TakenCalls() {
+  return <Calls calls={duty.value?.calls.filter(({ part }) => part === "taken") ?? []} />;
+}
+
+function Calls({ calls }: { calls: readonly CallView[] }) {
+  if (calls.length === 0) return null;
+  return (
+    <ul class="cards" aria-label={t("call.title")}>
+      {calls.map((call) => (
+        <CallCard key={call.id} call={call} />
+      ))}
+    </ul>
+  );
+}
+
+/**
+ * What somebody has scrolled to stays where it is while calls come and go above it: a finger on its way there meets what it meant.
+ *
+ * @param region holds the calls, above the page
+ * @returns how to stop that
+ */
+function keepInPlace(region: HTMLElement): () => void {
+  let heightPx = region.offsetHeight;
+  const sizes = new ResizeObserver(() => {
+    const grownPx = region.offsetHeight - heightPx;
+    heightPx += grownPx;
+    const page = document.getElementById("vehicles");
+    if (page !== null && page.scrollTop > 0) page.scrollTop += grownPx;
+  });
+  sizes.observe(region);
+  return () => {
+    sizes.disconnect();
+  };
 }
 
 function missedText({ by, caller }: { by: string; caller: string }): string {
@@ -71,11 +105,14 @@ function CallCard({ call }: { call: CallView }) {
           <b>{factoryTime(leftS)}</b> {t(mine ? "call.promised" : "call.toAnswer")}
         </span>
       </header>
-      <p>{wrongText(call)}</p>
-      <p>{call.place === "untold" ? untoldText(call) : whereText(call)}</p>
-      {call.place === "last" && <p>{t("call.place.last")}</p>}
-      {call.elsewhere && <p class="muted">{t("call.elsewhere")}</p>}
-      {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
+      <div class="call-said">
+        <p class="call-wrong">{wrongText(call)}</p>
+        <p>{call.place === "untold" ? untoldText(call) : whereText(call)}</p>
+        {call.place === "last" && <p>{t("call.place.last")}</p>}
+        {call.elsewhere && <p class="muted">{t("call.elsewhere")}</p>}
+        {!mine && <p class="muted">{others.length === 0 ? t("call.alone") : t("call.others", { count: format.count(others.length) })}</p>}
+        {!mine && <p class="muted call-note">{t("call.notAssigned")}</p>}
+      </div>
       <div class="call-answers" role="group" aria-label={t("call.take", { caller: call.caller })}>
         {MINUTES.map((minutes) => (
           <button
@@ -95,7 +132,6 @@ function CallCard({ call }: { call: CallView }) {
           {t("call.cannot")}
         </button>
       </div>
-      {!mine && <p class="muted">{t("call.notAssigned")}</p>}
     </li>
   );
 }
@@ -118,7 +154,7 @@ function wrongText({ goods, place, problem, reason }: CallView) {
     const doubt = world.value === null ? undefined : doubtsOf(world.value).find(({ load }) => load === goods);
     if (doubt !== undefined) return <b>{doubtText(doubt)}</b>;
     const task = world.value?.tasks.get(goods);
-    if (task !== undefined && isHeld(task)) return <b>{`${heldText(task)} ${lookText(task)}`}</b>;
+    if (task !== undefined && isHeld(task)) return <><b>{heldText(task)}</b> {lookText(task)}</>;
     return <b>{task?.stranded ? `${t(task.item === THING ? "goods.titleThing" : "goods.title", { atv: vehicleName(task.stranded.atv) })}: ${goodsText(task)}` : t("goods.called")}</b>;
   }
   return (

@@ -35,7 +35,7 @@ function DoubtCard({ doubt }: { doubt: Doubt }) {
     >
       {([true, false] as const).map((there) => (
         <HoldButton key={String(there)} class="button fault-gone" disabled={isMute()} onHeld={() => void sayCounted(doubt, there)}>
-          <b>{t(there ? "command.load_there" : "command.load_missing")}</b>
+          <b>{t(there ? "doubt.there" : "doubt.missing", pieces)}</b>
           <small>{t(there ? "doubt.more.there" : "doubt.more.missing")}</small>
         </HoldButton>
       ))}

@@ -47,6 +47,7 @@ export function MachineActs({ machine, need }: { machine: MachineView; need: Mac
         </button>
       )}
       <div class="steps" role="group" aria-label={t("machine.speed", { id })}>
+        <span aria-hidden="true">{t("steps.short")}</span>
         {STEPS.map((step) => (
           <button
             key={step}

@@ -56,15 +56,13 @@ function ToDuty() {
     <button
       type="button"
       class={`button top-duty ${state === "on" ? "" : "quiet"}`}
-      aria-label={t("duty.now", { state: t(`duty.${state}`) })}
       onClick={() => {
         const card = document.getElementById("duty");
         card?.scrollIntoView({ block: "center" });
         card?.querySelector("button")?.focus({ preventScroll: true });
       }}
     >
-      <small>{t("duty.mine")}</small>
-      <b>{t(`duty.${state}`)}</b>
+      <small>{t("duty.mine")}</small> <b>{t(`duty.${state}`)}</b> <span class="unseen">{t("duty.change")}</span>
     </button>
   );
 }

@@ -427,7 +427,7 @@ export const de: Catalogue<typeof en> = {
   "documents.unreachable": "nicht zu holen",
   "alerts.what.machine_document": "Ein Dokument ihres Produkts ist nicht brauchbar",
   "alerts.what.machine_blocked": "Fertige Ware wartet lange auf Abholung",
-  "alerts.what.dock_fails": "Fahrzeuge können an seinem Dock nicht laden oder abgeben",
+  "alerts.what.dock_fails": "Fahrzeuge können am Dock von {place} nicht laden oder abgeben",
   "alerts.what.dock_not_ready": "Das Dock wird seit {age} nicht bereit für {agents}",
   "alerts.what.stock_unknown": "Was dort liegt, ist nicht mehr bekannt: das Gedächtnis seiner Station war beschädigt. Bis gezählt ist, wird nichts zugesagt, was dort lag",
   "alerts.what.load_doubtful": "{quantity} × {item} liegen dort vielleicht und fehlen im Bestand: ob {atv} sie mitgenommen hat, weiß niemand",

@@ -424,7 +424,7 @@ export const en = {
   "documents.unreachable": "cannot be fetched",
   "alerts.what.machine_document": "A document of its product cannot be used",
   "alerts.what.machine_blocked": "Finished goods have waited long to be fetched",
-  "alerts.what.dock_fails": "Vehicles fail to load or unload at its dock",
+  "alerts.what.dock_fails": "Vehicles fail to load or unload at the dock of {place}",
   "alerts.what.dock_not_ready": "Its dock has not got ready for {agents} for {age}",
   "alerts.what.stock_unknown": "What lies there is not known any more: its station's memory was damaged. Nothing that lay there is promised until it was counted",
   "alerts.what.load_doubtful": "{quantity} × {item} perhaps lie there, and are not in the stock: nobody can tell whether {atv} took them",

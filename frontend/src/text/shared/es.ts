@@ -427,7 +427,7 @@ export const es: Catalogue<typeof en> = {
   "documents.unreachable": "no se puede buscar",
   "alerts.what.machine_document": "No se puede usar un documento de su producto",
   "alerts.what.machine_blocked": "Su producto espera recogida desde hace tiempo",
-  "alerts.what.dock_fails": "Los vehículos no consiguen cargar ni descargar en su muelle",
+  "alerts.what.dock_fails": "Los vehículos no consiguen cargar ni descargar en el muelle de {place}",
   "alerts.what.dock_not_ready": "Su muelle no está listo para {agents} desde hace {age}",
   "alerts.what.stock_unknown": "Ya no se sabe qué hay allí: la memoria de su estación estaba dañada. No se promete nada de lo que había hasta que se cuente",
   "alerts.what.load_doubtful": "Quizá hay allí {quantity} × {item} que faltan en las existencias: nadie sabe si {atv} se los llevó",

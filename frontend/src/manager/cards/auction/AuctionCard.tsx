@@ -4,6 +4,7 @@ import { Card } from "../../../parts/Card";
 import { Tag } from "../../../parts/Tag";
 import { selection } from "../../../selection/selection";
 import { world } from "../../../stream/stream";
+import { isHeld } from "../../../parts/held-task";
 import { causeText } from "../../../text/failure";
 import { format, n, t, word } from "../../../text/manager";
 import { names, placeOf, taskName } from "../../state";
@@ -99,8 +100,10 @@ function Aside({ task }: { task: TaskView | null }) {
 function Bids({ task }: { task: TaskView }) {
   const { mostS, parts, refusals, rows, watch } = auctionOf(task);
   const why = whyText(task);
-  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== null) - Number(watch.length > 0);
-  const bids = rows.slice(0, Math.max(2, room - Math.min(1, refusals.length)));
+  const held = isHeld(task);
+  const room = rowsBeside(why) - Number(task.carriers.length > 1) - Number(task.trouble !== null) - Number(held) - Number(watch.length > 0);
+  // What somebody is asked has the room of a bid.
+  const bids = rows.slice(0, Math.max(held ? 1 : 2, room - Math.min(1, refusals.length)));
   const refused = refusals.slice(0, Math.max(0, room - bids.length));
   const moreBids = rows.length - bids.length;
   const moreRefusals = refusals.length - refused.length;

@@ -146,7 +146,7 @@ export const auction: Catalogue<typeof english> = {
   "loadSeen.missing": "No está ahí",
   "loadSeen.askDock": "¿Ha mirado alguien el muelle de {place}?",
   "loadSeen.inOrder": "Está en orden",
-  "loadSeen.byHand": "Se llevó a mano",
+  "loadSeen.byHand": "Traída a mano",
   "loadSeen.failed": "No aceptado: {reason}",
   "refusal.command.not_held": "nadie tiene que buscar su carga",
   "refusal.command.quantity_out_of_range": "no se pueden anunciar tantas piezas a la vez",
