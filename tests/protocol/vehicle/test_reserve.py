@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import cast
 
 import pytest
-from atv1 import SETTLED_S, handing_over, last_beat, parked
+from atv1 import SETTLED_S, last_beat, parked
 from defaults import PLANT
 from spoken import award
 
-from dray.messages import HandoverAccepted
 from dray.plant.spare_places import SparePlaces
 from dray.protocol.vehicle.atv import Atv
-from dray.protocol.vehicle.drivers.driver import Driver
-from dray.protocol.vehicle.reserve import PAUSE_MAX_S, PAUSE_S, STAYS_S, Reserve
+from dray.protocol.vehicle.reserve import STAYS_S, Reserve
 from dray_sim.plants.fleet_sizes import with_fleet
 from dray_sim.plants.raster import draw_raster
 
@@ -23,7 +21,7 @@ IN, OUT = "in", "out"
 @pytest.fixture
 def reserve(monkeypatch: pytest.MonkeyPatch) -> Reserve:
     monkeypatch.setattr(SparePlaces, "is_reserve", lambda _self, node: node == IN)
-    return Reserve(PLANT, "light")
+    return Reserve(PLANT)
 
 
 def test_a_vehicle_belongs_to_the_reserve_only_after_it_has_stood_there(reserve: Reserve) -> None:
@@ -67,7 +65,7 @@ def test_where_vehicles_wait_in_the_way_of_others_who_leaves_the_reserve_is_at_w
     plant = with_fleet(draw_raster(17), 28)
     spare = plant.spare_places
     assert spare.others
-    reserve = Reserve(plant, next(iter(plant.fleet.values())).type)
+    reserve = Reserve(plant)
     reserve.stand(spare.reserve[0], 0.0)
     assert reserve.is_member(1.0)
     reserve.leave(2.0)
@@ -84,50 +82,6 @@ def test_work_ends_the_membership(reserve: Reserve) -> None:
     assert not reserve.is_member(5.0)
     reserve.stand(OUT, 6.0)
     assert not reserve.is_member(6.0)
-
-
-def test_a_slow_transport_pauses_its_vehicle_and_each_next_one_for_twice_as_long(reserve: Reserve) -> None:
-    for number in range(6):
-        reserve.end_work(0.3, number * 10_000.0)
-        pause_s = min(2.0**number * PAUSE_S, PAUSE_MAX_S)
-        assert reserve.is_member(number * 10_000.0 + pause_s - 1.0)
-        assert not reserve.is_member(number * 10_000.0 + pause_s)
-
-
-def test_a_transport_that_went_well_halves_the_next_pause_until_there_is_none(reserve: Reserve) -> None:
-    reserve.end_work(0.3, 0.0)
-    reserve.end_work(0.3, 1_000.0)
-    reserve.end_work(0.9, 2_000.0)
-    assert reserve.is_member(2_000.0 + PAUSE_S - 1.0)
-    assert not reserve.is_member(2_000.0 + PAUSE_S)
-    reserve.end_work(0.9, 3_000.0)
-    assert not reserve.is_member(3_000.0)
-
-
-def test_work_ends_a_pause_and_ways_that_tell_nothing_begin_none(reserve: Reserve) -> None:
-    reserve.end_work(0.3, 0.0)
-    reserve.take_work()
-    assert not reserve.is_member(1.0)
-    reserve.end_work(None, 2.0)
-    assert not reserve.is_member(3.0)
-
-
-def test_who_was_slow_on_the_roads_says_after_its_transport_that_it_is_in_the_reserve(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(Driver, "take_pace_frac", lambda _self: 0.3)
-    rig = handing_over()
-    assert not last_beat(rig).in_reserve
-    rig.on_message("M8", HandoverAccepted(task="M8-1", epoch=1))
-    assert last_beat(rig).in_reserve
-    rig.run(rig.now_s + PAUSE_S + 10.0)
-    assert not last_beat(rig).in_reserve
-
-
-def test_a_small_fleet_never_pauses() -> None:
-    few = Reserve(with_fleet(PLANT, 3), "light")
-    few.end_work(0.1, 0.0)
-    assert not few.is_member(1.0)
 
 
 def test_who_makes_room_stays_in_the_reserve_and_says_so_and_who_takes_work_does_not(

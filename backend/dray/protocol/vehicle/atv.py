@@ -455,7 +455,7 @@ class Atv(AgentBase):
         self.obstacles.note_ended(now_s)
         self.update_status(now_s, ended.reason)
         self._driver.rest(now_s)
-        self._idle.end_work(self._driver.take_pace_frac(), now_s)
+        self._idle.soon(now_s)
 
     def note_makes_room(self, now_s: float) -> None:
         if self._contracts.job is None and not self._driver.way:

@@ -94,7 +94,7 @@ class DwellPoints:
         self._claim_battery_frac = 0.0
         """The charge that decides contests: that at the claim, less WORTH_FRAC on the way to a charger."""
         self.battery_reserve = BatteryReserve(plant, vehicle_type)
-        self.reserve = Reserve(plant, vehicle_type)
+        self.reserve = Reserve(plant)
         self.dwell_point = ""
         """The claimed or occupied dwell point; empty for none."""
         self.hold = Hold.NONE

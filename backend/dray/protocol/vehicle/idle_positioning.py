@@ -136,13 +136,8 @@ class IdlePositioning:
         self._stand_here(battery_frac, now_s)
         self._life.alarm(SETTLE, now_s + SETTLE_S + spread_frac(self._atv) * SETTLE_S)
 
-    def end_work(self, pace_frac: float | None, now_s: float) -> None:
-        """Work is over: seek a place in a moment, and pause if its ways were slow (`Reserve.end_work`)."""
-        self._dwell_points.reserve.end_work(pace_frac, now_s)
-        self.soon(now_s)
-
     def soon(self, now_s: float) -> None:
-        """Seek a place in a moment."""
+        """Work is over: seek a place in a moment."""
         self._life.alarm(SETTLE, now_s + SETTLE_S)
 
     def stay(self, now_s: float) -> None:

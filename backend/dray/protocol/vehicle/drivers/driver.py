@@ -63,13 +63,6 @@ class Driver:
         """The effective speed as a fraction of its top speed; promises use it."""
         return self.speed_frac
 
-    def take_pace_frac(self) -> float | None:
-        """The pace on the roads since the last call; None if no way says anything about traffic.
-
-        It is the time of the ways on an empty floor, as a part of the time that they took.
-        """
-        return None
-
     @property
     def ahead(self) -> tuple[str, ...]:
         """The nodes of the way that were not passed yet."""

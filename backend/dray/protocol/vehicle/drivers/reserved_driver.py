@@ -84,8 +84,6 @@ class ReservedDriver(Driver):
         self._pace_frac = FIRST_PACE_FRAC
         self._leg: tuple[float, float] | None = None
         """Begin of the present leg, and its duration on an empty floor (s); None for a leg that says nothing about traffic."""
-        self._alone_s = self._took_s = 0.0
-        """Durations of the legs since `take_pace_frac`, on an empty floor and as they were."""
 
     @property
     def right_of_way(self) -> RightOfWay:
@@ -103,11 +101,6 @@ class ReservedDriver(Driver):
     @property
     def pace_frac(self) -> float:
         return self.speed_frac * self._pace_frac
-
-    def take_pace_frac(self) -> float | None:
-        pace_frac = self._alone_s / self._took_s if self._took_s else None
-        self._alone_s = self._took_s = 0.0
-        return pace_frac
 
     @property
     def ahead(self) -> tuple[str, ...]:
@@ -313,8 +306,6 @@ class ReservedDriver(Driver):
             took_s = now_s - begun_s - self.right_of_way.wait.at_goal_s
             frac = min(max(alone_s / max(took_s, alone_s), SLOWEST_PACE_FRAC), 1.0)
             self._pace_frac += PACE_GAIN * (frac - self._pace_frac)
-            self._alone_s += alone_s
-            self._took_s += alone_s / frac
             self._leg = None
 
     def _stay(self, now_s: float) -> None:
