@@ -282,6 +282,6 @@ def test_a_good_file_is_summed_up_in_one_line(tmp_path: Path, small_text: str) -
     path = tmp_path / "plant.yaml"
     path.write_text(small_text, encoding="utf-8")
     assert sum_up(load_plant(path)) == (
-        "small (Small plant): 1 machines in 1 stations, 1 vehicles of 1 types, 1 products of 1 materials, "
-        "1 storages, 1 chargers, 1 parking places, 5 nodes, 8 lanes of 106 m on 40 m x 30 m"
+        "small (Small plant): 1 machine in 1 station, 1 vehicle of 1 type, 1 product of 1 material, "
+        "1 storage, 1 charger, 1 parking place, 5 nodes, 8 lanes of 106 m on 40 m x 30 m"
     )

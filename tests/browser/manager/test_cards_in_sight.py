@@ -172,6 +172,7 @@ def test_on_a_small_laptop_the_field_find_stays_in_its_line_and_what_is_written_
     for width_px in SMALL_LAPTOPS_PX:
         page.set_viewport_size({"width": width_px, "height": 800})
         assert edges(field) == edges(page.locator(".finder")), width_px
+        assert edges(field)[1] < edges(page.locator(".map-head"))[1], width_px
         assert edges(legend)[1] <= edges(field)[0], width_px
         field.fill("ATV8")
         field.blur()

@@ -168,7 +168,7 @@ class Morning:
         sheet = page.locator("#person-sheet")
         hand.write(sheet.get_by_label("Typed to log in"), login)
         hand.write(sheet.get_by_label("Name (as people say it)"), "Ana")
-        hand.tick(sheet.get_by_role("checkbox").first)
+        hand.tick(sheet.get_by_role("checkbox", name="North", exact=True))
         hand.press(sheet.get_by_role("button", name="Add", exact=True))
         expect(sheet.get_by_role("status").last).to_contain_text("Added")
         hand.press(sheet.get_by_role("button", name="Make a login link"))

@@ -294,6 +294,14 @@ def test_the_command_and_the_gateway_have_the_same_bounds_of_a_key() -> None:
         (("create", "ERP", "--scope", "orders:read", "--open", "5"), "--open"),
         (("create", "ERP", "--scope", "transports:call", "--place", "M 8"), "--place"),
         (("create", "ERP", "--scope", "transports:call", "--item", ""), "--item"),
+        (
+            ("create", "ERP", "--scope", "transports:call", "--place", "M99"),
+            "no 'M99' in the plant dray; it has M1, M2",
+        ),
+        (
+            ("create", "ERP", "--scope", "transports:call", "--item", "gold"),
+            "no 'gold' in the plant dray; it has housing, shaft",
+        ),
         (("create", "ERP", "--scope", "transports:call", "--open", "5", "--open-each", "6"), "together, 5"),
         (("create", "ERP", "--scope", "transports:call", "--priority", "now"), "urgent"),
         (("create", "ERP", "--scope", "transports:call", "--open", "1251"), "1250"),

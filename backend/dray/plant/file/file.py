@@ -8,7 +8,7 @@ are named, and contradictions among the lanes that are drawn.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Sized
 from functools import cache
 from importlib.resources import files
 from itertools import islice
@@ -287,12 +287,17 @@ def sum_up(plant: Plant) -> str:
     """The contents of a plant, in one line."""
     road_m = sum(lane.length_m for lane in plant.lanes)
     return (
-        f"{plant.id} ({plant.name}): {len(plant.machines)} machines in {len(plant.stations)} stations, "
-        f"{len(plant.fleet)} vehicles of {len(plant.vehicle_types)} types, {len(plant.products)} products "
-        f"{_levels_told(plant)}of {len(plant.file.materials)} materials, {len(plant.storages)} storages, {len(plant.chargers)} chargers, "
-        f"{len(plant.parkings)} parking places, {_doors_told(plant)}{len(plant.nodes)} nodes, {len(plant.lanes)} lanes of "
-        f"{road_m:.0f} m on {plant.width_m:g} m x {plant.height_m:g} m"
+        f"{plant.id} ({plant.name}): {_count(plant.machines, 'machine')} in {_count(plant.stations, 'station')}, "
+        f"{_count(plant.fleet, 'vehicle')} of {_count(plant.vehicle_types, 'type')}, {_count(plant.products, 'product')} "
+        f"{_levels_told(plant)}of {_count(plant.file.materials, 'material')}, {_count(plant.storages, 'storage')}, "
+        f"{_count(plant.chargers, 'charger')}, {_count(plant.parkings, 'parking place')}, {_doors_told(plant)}"
+        f"{_count(plant.nodes, 'node')}, {_count(plant.lanes, 'lane')} of {road_m:.0f} m on {plant.width_m:g} m x "
+        f"{plant.height_m:g} m"
     )
+
+
+def _count(things: Sized, name: str) -> str:
+    return f"{len(things)} {name}{'s' * (len(things) != 1)}"
 
 
 def _levels_told(plant: Plant) -> str:
@@ -302,7 +307,7 @@ def _levels_told(plant: Plant) -> str:
 
 
 def _doors_told(plant: Plant) -> str:
-    return f"{len(plant.doors)} door{'s' * (len(plant.doors) > 1)}, " if plant.doors else ""
+    return f"{_count(plant.doors, 'door')}, " if plant.doors else ""
 
 
 def _first(document: Document, name: str, found: Iterable[tuple[str, str]]) -> list[PlantError]:

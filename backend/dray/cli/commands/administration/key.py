@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -28,6 +29,9 @@ NAME_CHARS = 80
 
 NAMES_MAX = 100
 """Maximum places or materials of a key."""
+
+NAMED_MAX = 30
+"""Maximum names in a message: more are not read in a terminal."""
 
 OPEN_MOST = 1_250
 """Maximum open transports of a caller (`dray.gateway.routes.keys.KEY_OPEN_MOST`)."""
@@ -69,6 +73,12 @@ def create(
         str | None,
         typer.Option(help="The highest with which it calls for transports; else normal."),
     ] = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option(
+            help="Whose places and materials these are; else DRAY_PLANT_FILE's, else the default plant's."
+        ),
+    ] = None,
     db: Database = None,
 ) -> None:
     """Create a key; it is printed once and stored nowhere."""
@@ -92,6 +102,8 @@ def create(
     for option, names in (("--place", places), ("--item", items)):
         if len(names) > NAMES_MAX or not all(map(NAME.fullmatch, names)):
             raise SettingsError(option, f"name at most {NAMES_MAX} by their ids in the plant, as M8 or shaft")
+    if places or items:
+        _known_in(plant, places, items)
     priorities = {each.value: each for each in Priority}
     highest = Priority.NORMAL if priority is None else one_of(priorities, priority, "--priority")
     at_once = open_max or OPEN_MAX
@@ -184,6 +196,31 @@ def revoke(
         return done
 
     typer.echo("taken back" if transact(db, take_back) else "it was taken back already")
+
+
+def _known_in(plant: Path | None, places: list[str], items: list[str]) -> None:
+    """Refuse a key for places or materials that the plant does not have.
+
+    Raises:
+        SettingsError: names the first of them, and what there is.
+    """
+    from dray.cli.commands.plant import chosen_plant
+    from dray.cli.runtime.options import load_settings
+    from dray.errors import SettingsError
+
+    chosen = chosen_plant(load_settings(plant_file=plant).plant_file)
+    for option, names, known in (
+        ("--place", places, (*chosen.machines, *chosen.stores)),
+        ("--item", items, tuple(chosen.materials)),
+    ):
+        unknown = [name for name in names if name not in known]
+        if unknown:
+            more = f" and {len(known) - NAMED_MAX} more" if len(known) > NAMED_MAX else ""
+            raise SettingsError(
+                option,
+                f"there is no {unknown[0]!r} in the plant {chosen.id}; it has {', '.join(known[:NAMED_MAX])}{more}. "
+                "Name one of them, or another plant with --plant",
+            )
 
 
 def _may(key: ApiKey) -> str:

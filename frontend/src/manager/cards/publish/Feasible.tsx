@@ -3,7 +3,9 @@ import type { MaterialNeed, OrderPreview } from "../../../api/types";
 import { Tag } from "../../../parts/Tag";
 import { nowS, world } from "../../../stream/stream";
 import { format, n, t } from "../../../text/manager";
+import { HERE } from "../../parts/Linked";
 import { names, plant } from "../../state";
+import { addressOf } from "../../views";
 import { makersOf, needsOf, quantityOf, unableOf } from "./draft";
 import { draft, outcome } from "./form";
 import { Needs, NeedsButton } from "./Needs";
@@ -19,10 +21,15 @@ export function Feasible() {
   const file = plant.value;
   if (!file) return null;
   if (outcome.value) {
-    const { good, hints = [], text } = outcome.value;
+    const { good, hints = [], order, text } = outcome.value;
+    const [before, after = ""] = text.split(HERE);
     return (
       <>
-        <p class={`outcome outcome-${good ? "good" : "bad"}`}>{text}</p>
+        <p class={`outcome outcome-${good ? "good" : "bad"}`}>
+          {before}
+          {order !== undefined && <a class="link" href={addressOf(order)}>{order}</a>}
+          {after}
+        </p>
         {hints.map((hint) => (
           <p key={hint} class="tone-warn">{hint}</p>
         ))}

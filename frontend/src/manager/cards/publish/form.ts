@@ -6,6 +6,7 @@ import { Problem } from "../../../api/problem";
 import { afterSent } from "../../../parts/sent";
 import { nowS } from "../../../stream/stream";
 import { format, t } from "../../../text/manager";
+import { HERE } from "../../parts/Linked";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
 import { checkDraft, chosenOf, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
@@ -24,7 +25,8 @@ export const draft = computed<Draft>(() => ({
 }));
 export const complaints = signal<Partial<Record<Field, string>>>({});
 export const sending = signal(false);
-export const outcome = signal<{ good: boolean; text: string; hints?: readonly string[] } | null>(null);
+/** Where `HERE` stands in `text`, there is a link to `order`. */
+export const outcome = signal<{ good: boolean; text: string; order?: string; hints?: readonly string[] } | null>(null);
 
 /** One key per order, kept over failed tries; a changed order is another one. */
 let key = newKey();
@@ -54,7 +56,7 @@ export async function send(release: boolean): Promise<void> {
     const { hints, id } = await placeOrder(order, key);
     keyFor = "";
     written.value = { ...written.value, reference: afterSent(reference, written.value.reference, "") };
-    outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id }), hints: await inReadersWords(hints) };
+    outcome.value = { good: true, text: t(release ? "publish.published" : "publish.defined", { id: HERE }), order: id, hints: await inReadersWords(hints) };
   } catch (error) {
     complain(error);
   } finally {

@@ -9,7 +9,7 @@ import { Outcome } from "../../parts/Outcome";
 import { Sheet } from "../../parts/Sheet";
 import { Sure } from "../../parts/Sure";
 import { me } from "../../shell/session";
-import { plant } from "../../state";
+import { areaName, plant } from "../../state";
 import { add, busy, chosen, complaints, edit, editSecret, give, kind, link, makeLink, move, outcome, secret, setMay, ticked, written } from "./state";
 
 /** What the buttons open. */
@@ -91,7 +91,7 @@ function Areas() {
       {(plant.value?.areas ?? []).map((each) => (
         <label key={each.id} class="people-tick">
           <input type="checkbox" checked={areas.includes(each.id)} onChange={(event) => { edit({ areas: ticked(areas, each.id, event.currentTarget.checked) }); }} />
-          {each.id}
+          {areaName(each.id)}
         </label>
       ))}
       <span id="people-areas-wrong" class="complaint">
