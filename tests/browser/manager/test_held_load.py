@@ -50,7 +50,7 @@ def test_the_alarm_names_the_dock_where_vehicles_fail_and_leads_to_the_page_whic
     machine = house.do(join)
     page = as_manager(house, open_page)
     page.locator(".alerts-button").click()
-    row = page.locator("main > section").first.get_by_role("row").filter(has_text="could not load or unload")
+    row = page.locator("main > section").first.get_by_role("row").filter(has_text="fail to load or unload")
     row.get_by_role("link", name=f"Show {TASK}").click()
     expect(page.locator(".load-seen")).to_contain_text("the dock of M8")
     page.get_by_role("button", name="It is in order").click()
