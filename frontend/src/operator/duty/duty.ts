@@ -136,7 +136,8 @@ async function tell(what: () => Promise<DutyView>, act?: Signal<string>): Promis
     shown = mine;
     duty.value = view;
     if (askingCaller.value !== "") {
-      if (!isAsked(before) && "vibrate" in navigator) navigator.vibrate([200, 100, 200]);
+      // A browser refuses it, and complains, until somebody has touched the page.
+      if (!isAsked(before) && "vibrate" in navigator && navigator.userActivation.hasBeenActive) navigator.vibrate([200, 100, 200]);
       // Each time that is asked for again, until there is an answer.
       playSound();
     }
