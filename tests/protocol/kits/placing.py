@@ -21,7 +21,7 @@ def answer(rig: VehicleRig, removal: int = 0, *, grants: bool = True) -> list[Ef
     rig.on_message(copy, HoldsAsked(district=district, epoch=0))
     request = _newest(rig)
     places = (*request.holds, *(place for group in request.groups for place in group)) if grants else ()
-    number = max(request.seen, 0) + 1
+    number = max(request.seen, request.renews) + 1
     lines = tuple(PlaceReservation(place=place, number=number) for place in places)
     signed = tuple(replace(line, mark=request.mark) for line in lines)
     rig.on_message(copy, PlaceConfirmed(district=request.district, epoch=0, grants=signed))

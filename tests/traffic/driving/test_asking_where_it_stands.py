@@ -194,6 +194,24 @@ def test_an_answer_to_what_was_said_before_it_was_moved_makes_nothing_its_own() 
     assert vehicle.row.holds == (HERE,)
 
 
+def test_a_line_that_it_has_seen_before_makes_nothing_its_own_and_is_asked_for_anew() -> None:
+    """It has given that back perhaps, and its release may be on its way."""
+    vehicle = Vehicle().placed()
+    vehicle.row.relocate("c3", "", 2.0, past_m=0.0, speed_mps=0.0)
+    assert HERE not in vehicle.said.holds
+    vehicle.row.relocate(HERE, "", 3.0, past_m=0.0, speed_mps=0.0)
+    assert (vehicle.said.groups, vehicle.said.seen, vehicle.said.renews) == (((HERE,),), 0, 1)
+    asked = vehicle.said
+    vehicle.number = 0
+    vehicle.grant(HERE)
+    assert vehicle.row.holds == ()
+    vehicle.row.repeat_request(DISTRICT, 9.0)
+    assert vehicle.said.seq > asked.seq
+    assert vehicle.said.renews == 1
+    vehicle.grant(HERE)
+    assert vehicle.row.holds == (HERE,)
+
+
 def test_what_it_held_elsewhere_in_an_earlier_life_is_given_back_while_it_still_asks_for_where_it_stands() -> (
     None
 ):

@@ -50,6 +50,27 @@ def test_an_old_word_does_not_strike_out_a_new_grant_of_the_same_place() -> None
     assert not table.strike(old, "A")
 
 
+def test_a_place_where_its_vehicle_has_come_to_stand_again_is_granted_anew_once() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"])
+    table.grant("A", ["b4"])
+    release = request("b4", seen=2)
+    asked = replace(request(), groups=(("b3",),), renews=2)
+    table.renew("A", asked)
+    table.renew("A", asked)
+    assert {line.place: line.number for line in table.of("A")} == {"b3": 3, "b4": 2}
+    assert not table.strike(release, "A")
+    assert table.strike(request("b4", seen=3), "A") == 1, "a copy may have the line under its first number"
+
+
+def test_no_request_renews_what_another_one_holds() -> None:
+    table = ReservationTable()
+    table.grant("A", ["b3"], b"A")
+    for sender, mark in (("B", b"B"), ("A", b"thief")):
+        table.renew(sender, replace(request(), groups=(("b3",),), renews=10**6, key=mark))
+    assert [(line.atv, line.number, line.mark) for line in table.reservations] == [("A", 1, b"A")]
+
+
 def test_nobody_strikes_out_what_another_one_holds() -> None:
     table = ReservationTable()
     table.grant("A", ["b3"])

@@ -26,6 +26,7 @@ from dray.protocol.traffic.driving.evidence import WITNESS_ASKED, Evidence
 from dray.protocol.traffic.driving.place_requests import LEAST_AGAIN_S, PlaceRequests, State
 from dray.protocol.traffic.numbers import FAR
 from dray.protocol.traffic.reservations.copies import Copies
+from dray.protocol.traffic.reservations.reservation_table import ReservationTable
 from dray.protocol.traffic.reservations.witness import Witness
 
 COPIES = ("M2", "M3")
@@ -330,19 +331,39 @@ def test_a_copy_that_has_missed_it_waits_until_the_later_life_has_said_it_once_m
     assert witness.kept.version == 6
 
 
-@pytest.mark.xfail(strict=True, reason="its line keeps its old number: docs/decisions/12-witness.md")
-def test_nor_does_one_that_was_kept_back_when_the_vehicle_stands_there_again(floor: Floor) -> None:
-    """In the same life A is moved to where it has given the place back, and asks for it."""
+def stand_there_again(floor: Floor) -> GivenBack:
+    """In the same life A is moved to where it has given the place back, and asks for it; the release, which M1 has kept back."""
     vehicle = floor.vehicles["A"]
     word = GivenBack(atv="A", request=vehicle.give_back())
     vehicle.state = replace(vehicle.state, asks=True)
     vehicle.say((), WANTED)
     floor.ask_witness("A")
-    own = (PlaceReservation(place="b3", number=5),)
-    granted = PlaceGranted(district="M1", epoch=floor.epoch, life=1, upto=vehicle.said.seq, grants=own)
-    is_taken = vehicle.requests.on_granted("M1", granted, 1.0) is not None
+    return word
+
+
+def test_nor_does_one_that_was_kept_back_when_the_vehicle_stands_there_again(floor: Floor) -> None:
+    word = stand_there_again(floor)
+    floor.table("A", 5, *COPIES, version=5)
     floor.table("B", 6, *COPIES, by=(word,))
-    assert not (is_taken and floor.holders == {"B"})
+    assert floor.holders == {"B"}
+
+
+def test_nor_one_that_was_kept_back_until_the_vehicle_has_been_granted_the_place_anew(floor: Floor) -> None:
+    word = stand_there_again(floor)
+    floor.table("A", 6, *COPIES)
+    assert floor.holders == {"A"}
+    floor.table("B", 7, *COPIES, by=(word,))
+    assert floor.holders == {"A"}
+
+
+def test_an_honest_leader_that_has_missed_the_release_grants_the_place_anew_once(floor: Floor) -> None:
+    stand_there_again(floor)
+    table = ReservationTable(line("A", 5, mark=b"A"), 5)
+    asked = floor.vehicles["A"].said
+    assert (asked.seen, asked.renews) == (0, 5)
+    table.renew("A", asked)
+    table.renew("A", asked)
+    assert [(one.place, one.number, one.atv) for one in table.reservations] == [("b3", 6, "A")]
 
 
 def test_the_witness_names_a_life_to_the_key_that_has_said_so_alone(floor: Floor) -> None:

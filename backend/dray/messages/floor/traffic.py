@@ -94,7 +94,7 @@ class PlaceRequested(Message, said_by=VEHICLES, radio=True, frozen=True):
     groups: Annotated[tuple[Places, ...], Meta(max_length=HOLDS_MAX)]
     """The groups that it wants next, in the order of its way. Each is granted whole, and after those ahead of it."""
     seen: Count
-    """The highest grant number in this district that the vehicle has seen."""
+    """The highest grant number in this district that the vehicle has seen; 0 while it requests the place where it stands."""
     stands: bool
     """Whether it stands and waits for what it wants."""
     docked: bool
@@ -105,6 +105,9 @@ class PlaceRequested(Message, said_by=VEHICLES, radio=True, frozen=True):
     """The vehicles for which it makes room, in order."""
     removal: Count = 0
     """Number of its newest removal, as far as it knows (`dray.messages.floor.removal`)."""
+    renews: Count = 0
+    """The highest grant number that it has seen, while it requests the place where it stands: it may have given that back, so its lines of
+    `groups` up to this number are granted anew."""
     key: Annotated[bytes, Meta(max_length=KEY_BYTES)] = b""
     """The vehicle's public key, made at its first start: its certificate alone does not speak for its places. Empty for none."""
     signature: Annotated[bytes, Meta(max_length=64)] = b""
@@ -332,7 +335,7 @@ class TableReported(Message, said_by=DOCKS, frozen=True):
 def request_words(atv: str, request: PlaceRequested) -> bytes:
     """The bytes that a request's signature covers: a JSON array without white space, times as whole thousandths.
 
-    `avoid` is left out: it is a hint, and is shortened when a request goes by radio.
+    `avoid` is left out: it is a hint, and is shortened when a request goes by radio. So is `renews`: it gives nothing back.
 
     Args:
         atv: the vehicle that sends it.

@@ -121,9 +121,7 @@ class Evidence:
         """Whether the unbelieved answer lacks its confirmation alone."""
         return self.unbelieved is not None and self.unbelieved[1].epoch == self.agreed
 
-    def is_confirmed(
-        self, granted: PlaceGranted, mark: bytes, seen: int, since: int, asked: Collection[str]
-    ) -> bool:
+    def is_confirmed(self, granted: PlaceGranted, mark: bytes, seen: int, since: int) -> bool:
         """Whether the witness has confirmed all new lines of an answer, or is silent.
 
         Args:
@@ -131,7 +129,6 @@ class Evidence:
             mark: of the vehicle's key.
             seen: the highest number that the vehicle has seen.
             since: the request from which on the table of a recovery poll answers.
-            asked: places that it asks for though it stands there: their lines count as new.
         """
         if len(self._replicas) == 1 or self.witness_asked > WITNESS_ASKED:
             return True
@@ -148,7 +145,7 @@ class Evidence:
         return all(
             known.get(reservation.place) == reservation.number
             for reservation in granted.grants
-            if reservation.number > seen or reservation.place in asked
+            if reservation.number > seen
         )
 
     def accept(self, granted: PlaceGranted, seen: int, since: int) -> int:

@@ -75,7 +75,8 @@ class State(msgspec.Struct, frozen=True, gc=False):
     chain: tuple[str, ...]
     removal: int = 0
     asks: bool = False
-    """Whether it requests the place where it stands, which it does not hold: such a request gives nothing back."""
+    """Whether it requests the place where it stands, which it does not hold: such a request gives nothing back, and only a grant with a
+    number that it has not seen answers it."""
 
 
 class _Line:
@@ -284,6 +285,7 @@ class PlaceRequests:
         line.repeats_s[line.seq] = now_s
         if len(line.repeats_s) > REPEATS_KEPT:
             del line.repeats_s[next(iter(line.repeats_s))]
+        asks = state.asks and bool(groups)
         request = PlaceRequested(
             district=district,
             life=self.life,
@@ -291,14 +293,15 @@ class PlaceRequests:
             epoch=max(epoch, line.epoch),
             rank=state.rank,
             # A release must not name the place where the vehicle stands, which it asks for.
-            holds=tuple(sorted({*holds, *groups[0]})) if gives_back and state.asks and groups else holds,
+            holds=tuple(sorted({*holds, *groups[0]})) if gives_back and asks else holds,
             groups=groups,
-            seen=0 if state.asks and groups and not gives_back else line.seen,
+            seen=0 if asks and not gives_back else line.seen,
             stands=state.stands,
             docked=state.docked,
             avoid=state.avoid if groups else (),
             chain=state.chain if groups else (),
             removal=state.removal,
+            renews=line.seen if asks else 0,
         )
         request = self._sign(request)
         self._mark = request.mark
@@ -308,7 +311,7 @@ class PlaceRequests:
             if epoch > line.epoch:
                 # Other replicas are not told this epoch, which only the poll's own replica has reported.
                 said = self._sign(msgspec.structs.replace(request, epoch=line.epoch, key=b"", signature=b""))
-        line.request, line.asked_all, line.asks = said, False, state.asks and bool(groups)
+        line.request, line.asked_all, line.asks = said, False, asks
         line.evidence.forget_released(line.seen, holds)
         self._life.send(to or replicas[(line.epoch + line.turn) % len(replicas)], request)
         if waits and not to and line.evidence.agreed == NO_EPOCH:
@@ -367,6 +370,11 @@ class PlaceRequests:
             return None
         line.seen = evidence.accept(granted, line.seen, line.since_poll)
         line.epoch, line.turn = granted.epoch, 0
+        is_old = line.asks and any(
+            reservation.number <= line.seen and reservation.place in group
+            for reservation in granted.grants
+            for group in line.groups
+        )
         fresh = tuple(reservation.place for reservation in granted.grants if reservation.number > line.seen)
         line.seen = max((line.seen, *(reservation.number for reservation in granted.grants)))
         if granted.upto >= line.since:
@@ -379,7 +387,7 @@ class PlaceRequests:
                 if not line.tries:
                     self._lost_frac -= LOSS_GAIN * self._lost_frac
             line.unanswered, line.tries = False, 0
-            line.hindered = granted.blocked is not Blocked.NO
+            line.hindered = granted.blocked is not Blocked.NO or is_old
             if line.hindered:
                 again_s = LOSSY_AGAIN_S if self._lost_frac > LOSSY_FRAC else WAITS_AGAIN_S
                 self._life.alarm((REQUEST_AGAIN, granted.district), now_s + again_s)
@@ -394,8 +402,7 @@ class PlaceRequests:
         return self._line(confirmed.district).evidence.on_confirmed(sender, confirmed, self._mark)
 
     def _is_confirmed(self, line: _Line, granted: PlaceGranted) -> bool:
-        asked = {place for group in line.groups for place in group} if line.asks else ()
-        return line.evidence.is_confirmed(granted, self._mark, line.seen, line.since_poll, asked)
+        return line.evidence.is_confirmed(granted, self._mark, line.seen, line.since_poll)
 
     def _is_meant(self, granted: PlaceGranted) -> bool:
         """Whether an answer is for this vehicle's key, and not for another key under its name."""

@@ -354,7 +354,7 @@ class RightOfWay:
             return
         self._outlook.note(granted, now_s)
         if self._asked and granted.removal == self.removal and self.requests.is_answered(granted):
-            self._asked -= {reservation.place for reservation in granted.grants}
+            self._asked.difference_update(fresh)
         groups = self._groups()
         if groups and self._places.district_of[groups[0][0]] == granted.district:
             self.wait.note(granted, now_s)

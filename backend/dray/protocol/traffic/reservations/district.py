@@ -305,6 +305,7 @@ class District:
             if request.removal >= known:
                 oldest = self._table.strike(request, sender)
                 self.copies.note_word(sender, said, struck=bool(oldest), oldest=oldest)
+                self._table.renew(sender, request)
             self._requests[sender] = request
             self._owed.add(sender)
             if request.removal >= known:

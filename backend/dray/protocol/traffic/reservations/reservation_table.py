@@ -142,6 +142,23 @@ class ReservationTable:
         self.grant(atv, [line.place for line in lines], request.mark)
         return True
 
+    def renew(self, atv: str, request: PlaceRequested) -> None:
+        """Grant anew the lines of places where a vehicle has come to stand again, unless it has not seen their number yet.
+
+        It may have given them back: a release that was late, or kept back, would strike out the line of what it holds now.
+        """
+        wanted = {place for group in request.groups for place in group}
+        old = [
+            line
+            for line in self.of_key(atv, request.mark)
+            if line.number <= request.renews and line.place in wanted
+        ]
+        if not old:
+            return
+        for line in old:
+            self._since.setdefault(line.place, line.number)
+        self.grant(atv, [line.place for line in old], request.mark)
+
     def removal_of(self, atv: str, mark: bytes | None = None) -> int:
         """The number of a vehicle's newest known removal; 0 for none.
 
