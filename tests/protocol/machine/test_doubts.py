@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from dock_parts import blind_dock
 from effects import facts, instructed, published, sent
 from m7 import NO_HOUSINGS, handover
 from msgspec.structs import replace
@@ -12,6 +13,7 @@ from seals import granted
 from spoken import rhb
 
 from dray.body import Book, DockReady, OpenDock
+from dray.memory import DepartureMemory
 from dray.messages import (
     CallState,
     CommandAnswered,
@@ -22,10 +24,12 @@ from dray.messages import (
     MachineCommand,
     MachineCommandKind,
     MachineHeartbeat,
+    Phase,
     StockAsked,
     StockFreed,
 )
 from dray.messages.fact import LoadDoubted
+from dray.protocol.runtime.life import Life
 from dray.protocol.transports.doubts import ASKS_AFTER_S
 from dray.protocol.transports.visit import UNHEARD_S
 
@@ -227,3 +231,43 @@ def test_nobody_counts_while_a_vehicle_moves_the_same_item() -> None:
     for kind in (KIND.LOAD_THERE, KIND.LOAD_MISSING):
         assert says(rig, kind, "M7-load-1") is CommandRefusal.DOCK_OPEN
     assert asked(rig) == doubted
+
+
+BROUGHT_BY_CART = DepartureMemory("CART", "T1", 1, "shaft", 6, let_in=False)
+"""As far as is known the dock was not opened for it."""
+
+
+@pytest.mark.parametrize(
+    ("load", "is_in_doubt"),
+    [
+        pytest.param(BROUGHT_BY_CART, True, id="it stands there empty all the same"),
+        pytest.param(
+            replace(BROUGHT_BY_CART, task="", epoch=0), False, id="its vehicle will say for what it came"
+        ),
+        pytest.param(replace(BROUGHT_BY_CART, change=-6), False, id="it cannot have been taken"),
+        pytest.param(replace(BROUGHT_BY_CART, returns=True), False, id="it was on its way back"),
+    ],
+)
+def test_what_was_not_let_in_is_in_doubt_only_if_it_seems_to_be_down(
+    load: DepartureMemory, *, is_in_doubt: bool
+) -> None:
+    _, visits = blind_dock("dock", Life())
+    visits.answers = True
+    visits.restore([load])
+    beat = replace(rhb("CART", 1, 60.0, task="T9"), node="dock")
+    assert beat.task is not None
+    # Of one without a name its vehicle's task may be the one.
+    beat = replace(beat, task=None if load.task else replace(beat.task, phase=Phase.APPROACHING))
+    visits.on_vehicle(beat, 60.0)
+    visits.on_vehicle(replace(beat, seq=2, node="elsewhere"), 120.0)
+    assert visits.get("CART") is None
+    assert bool(visits.doubts.memories()) is is_in_doubt
+
+
+def test_what_waited_to_be_put_back_and_is_heard_elsewhere_is_not_in_doubt() -> None:
+    _, visits = blind_dock("dock", Life())
+    visits.answers = True
+    visits.restore([replace(BROUGHT_BY_CART, returns=True)])
+    visits.on_vehicle(replace(rhb("CART", 1, 60.0), node="elsewhere"), 60.0)
+    assert visits.get("CART") is None
+    assert visits.doubts.memories() == ()

@@ -160,6 +160,18 @@ def test_a_vehicle_that_was_heard_at_the_dock_and_asks_for_another_load_has_not_
     assert instructed(rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4)), Book) == []
 
 
+def test_a_dock_that_takes_time_to_open_is_not_shut_between_two_loads_of_which_the_first_was_not_taken() -> (
+    None
+):
+    rig = before_a_shut_dock()
+    opens(rig)
+    beats(rig, Phase.LOADING)
+    assert sent(rig.on_message("PRESS2", StockAsked("PRESS2-1", 1, "shaft", 4)), StockReserved)
+    effects = rig.on_message(CART, Docked("PRESS2-1", 1, "LATHE1", "shaft", 4))
+    told = [effect.instruction for effect in effects if isinstance(effect, Instruct)]
+    assert told == [OpenDock(CART, "shaft", 4)]
+
+
 @pytest.mark.parametrize("silent_s", [0.0, 60.0], ids=["heard", "not heard"])
 @pytest.mark.parametrize("is_given_back", [False, True])
 def test_a_vehicle_that_stands_there_without_a_task_may_still_be_loading(

@@ -32,6 +32,7 @@ from dray.messages.heartbeat import GOODS_ABOARD
 from dray.protocol.contract_net.task import OpenTask
 from dray.protocol.contract_net.task_state import TaskState
 from dray.protocol.contract_net.trust.assessment import Assessor
+from dray.protocol.contract_net.trust.dock_failures import Fault
 from dray.protocol.liveness.failure_detector import (
     UNNAMED_S,
     FailureDetector,
@@ -204,7 +205,7 @@ class Failover:
     def note_short(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> None:
         """The primary has given a task back because it gets no load at a place that has promised it."""
         is_held = reason is Reason.DOCK_HELD
-        if not (is_held and self._note_dock_failure(task, place, reason, now_s)):
+        if not is_held or self._note_dock_failure(task, place, reason, now_s) is not Fault.PLACE:
             self.note_given_back(task, reason, now_s)
 
     def give_back(self, task: OpenTask, reason: Reason, now_s: float) -> None:
@@ -290,20 +291,21 @@ class Failover:
         if task.is_counted:
             self._remedies.conclude(task, now_s)
             return
-        fails_at = self._fails_at(task, heartbeat, now_s) if failure is Reason.STALLED else ""
-        if not fails_at or self._assessor.is_charged(fails_at, task.work_item):
+        place = self._stands_in_vain_at(task, heartbeat, now_s) if failure is Reason.STALLED else ""
+        fault = self._note_dock_failure(task, place, failure, now_s) if place else Fault.CARRIER
+        if fault is not Fault.PLACE:
             self.blame(task, failure, now_s)
         progress.blamed = True
         if task.is_loaded:
             self.aboard.strand(task, now_s)
             task.trouble, task.detail = failure, ""
-        elif fails_at:
-            self._remedies.hold(task, now_s, fails_at=fails_at)
+        elif fault is not Fault.CARRIER:
+            self._remedies.hold(task, now_s, fails_at=place)
         else:
             self._remedies.pass_on(task, failure, now_s)
 
-    def _fails_at(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> str:
-        """The place where the primary has stalled as another carrier has before it, or time after time; empty for none."""
+    def _stands_in_vain_at(self, task: OpenTask, heartbeat: AtvHeartbeat, now_s: float) -> str:
+        """The place that the primary, which has stalled, says something of; empty for none."""
         progress, brief, work = task.contract.progress, heartbeat.task, cast(Transport, task.work)
         if progress is None or progress.blamed or brief is None:
             return ""
@@ -313,12 +315,10 @@ class Failover:
             place = work.destination
         else:
             return ""
-        if not self._assessor.stands_in_vain(work, place, heartbeat):
-            return ""
-        return place if self._note_dock_failure(task, place, Reason.STALLED, now_s) else ""
+        return place if self._assessor.stands_in_vain(work, place, heartbeat) else ""
 
-    def _note_dock_failure(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> bool:
-        """Note that the primary stood at a place in vain. Returns whether the place may be at fault."""
+    def _note_dock_failure(self, task: OpenTask, place: str, reason: Reason, now_s: float) -> Fault:
+        """Note that the primary stood at a place in vain. Returns who is at fault."""
         return self._assessor.note_dock_failure(place, task.work_item, reason, task.primary, task.id, now_s)
 
     def _note_suspicion(self, task: OpenTask, now_s: float) -> None:

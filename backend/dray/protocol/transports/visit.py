@@ -154,7 +154,7 @@ class Visit:
             return True
         if not seen.is_here or self.stage is Stage.GONE:
             return False
-        may_stay = self._may_go_on_loading(seen) if self.takes else self._may_tell_yet(seen)
+        may_stay = self._may_go_on_loading(seen) if self.takes else self._may_report_yet(seen)
         return may_stay or self._is_inside(seen)
 
     def _is_inside(self, seen: Sighting) -> bool:
@@ -171,8 +171,8 @@ class Visit:
             return False
         return seen.phase is None or seen.was_heard or self.is_unnamed or self.load.ended
 
-    def _may_tell_yet(self, seen: Sighting) -> bool:
-        """Whether it may tell yet what it has brought, or that it has lost its memory here."""
+    def _may_report_yet(self, seen: Sighting) -> bool:
+        """Whether it may still report what it has brought, or that it has lost its memory here."""
         return self.is_unnamed and self.brings and seen.phase is None and seen.is_empty
 
     # --- what it has moved when it has left ---
@@ -182,7 +182,7 @@ class Visit:
         hands_over = seen.names_task and seen.phase is Phase.HANDING_OVER
         return not self.takes and (seen.left_empty or hands_over)
 
-    def believe(self) -> None:
+    def note_down(self) -> None:
         """Its load is said to be down here: the dock was open for it, if only in an earlier life."""
         if self.stage is Stage.WAITS and not self.load.returns:
             self.stage = Stage.LEAVING

@@ -237,7 +237,7 @@ class Visits:
             self._name(visit, asked, now_s)
             return
         if was_heard and visit.is_unnamed and not visit.takes:
-            visit.believe()
+            visit.note_down()
         moved = visit.has_moved_before(docked, unloads=unloads, was_heard=was_heard)
         self._end(visit, moved=moved, docks=visit.takes)
 
@@ -253,7 +253,7 @@ class Visits:
         visit = self._visits.get(vehicle)
         if visit is not None and visit.is_followed and visit.brings:
             if visit.is_for(task, epoch):
-                visit.believe()
+                visit.note_down()
                 # A vehicle brings at most what it was given.
                 visit.load = replace(visit.load, change=min(visit.load.change, quantity))
                 self._end(visit, moved=True)
@@ -314,7 +314,7 @@ class Visits:
             visit.heard_s = now_s
             return
         if visit.is_told_down(seen):
-            visit.believe()
+            visit.note_down()
         moved = visit.has_moved(seen)
         if moved is None and visit.load.coordinator and not self.counts:
             self._ask(visit, now_s, is_here=seen.is_here)

@@ -21,7 +21,7 @@ from dray.plant import Plant
 from dray.plant.restrictions import OPEN
 from dray.protocol.contract_net.dock import dock_of
 from dray.protocol.contract_net.trust.disbelief import Disbelief
-from dray.protocol.contract_net.trust.dock_failures import DockFailures, Failure
+from dray.protocol.contract_net.trust.dock_failures import DockFailures, Failure, Fault
 from dray.protocol.contract_net.trust.plausibility import Plausibility, clock_ahead_s, is_clock_wrong
 from dray.protocol.contract_net.trust.probation import SHORT_S, is_barred
 from dray.protocol.contract_net.trust.reliability import Reliability
@@ -95,26 +95,17 @@ class Assessor:
 
     def note_dock_failure(
         self, place: str, item: str, reason: Reason, carrier: str, task: str, now_s: float
-    ) -> bool:
-        """Note that a carrier stood at a place in vain. Returns whether a person is to look: the place may be at fault.
+    ) -> Fault:
+        """Note that a carrier stood at a place in vain. Returns who is at fault.
 
         A restricted carrier accuses a place only if nobody else takes its task, and one that accuses another place accuses no
         second one.
         """
-        has_stalled, failure = reason is Reason.STALLED, Failure(carrier, task)
-        if has_stalled and self.docks.accuses_another(carrier, place):
-            return False
-        is_alone = has_stalled and self.docks.is_alone(place, item, failure)
-        if self.reliability.is_restricted(carrier, now_s):
-            return is_alone
-        before = self.docks.note(place, item, reason, failure)
+        believed = not self.reliability.is_restricted(carrier, now_s)
+        fault, before = self.docks.note(place, item, reason, Failure(carrier, task), believed=believed)
         if before is not None:
             self.reliability.take_back(before.carrier, before.task, now_s)
-        return is_alone or before is not None
-
-    def is_charged(self, place: str, item: str) -> bool:
-        """Whether a failure at a place where a person is to look counts against its carrier: no other one has failed there."""
-        return len(self.docks.accusers(place, item)) < 2
+        return fault
 
     def believed_s(self, work: Work, bid: Bid | None, promised_s: float, now_s: float) -> float:
         """Credible finish time of a contractor (see `Plausibility.believed_s`)."""

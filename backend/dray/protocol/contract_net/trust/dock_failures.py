@@ -18,6 +18,8 @@ fails to do at others counts against it. A restarted coordinator begins without 
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from enum import Enum
 from typing import NamedTuple
 
 from dray.messages import Reason
@@ -29,9 +31,6 @@ DOCKS_KEPT = 256
 ALONE = 3
 """Failures in a row by one carrier alone after which a person looks."""
 
-REASONS = (Reason.STALLED, Reason.DOCK_HELD)
-"""Reasons for which a carrier stands in vain."""
-
 
 class Failure(NamedTuple):
     """A carrier that stood at a dock in vain."""
@@ -40,57 +39,85 @@ class Failure(NamedTuple):
     task: str
 
 
+class Fault(Enum):
+    """Who is at fault, as far as is known."""
+
+    CARRIER = "carrier"
+    """The carrier is charged."""
+    EITHER = "either"
+    """The carrier is charged, and a person is to look."""
+    PLACE = "place"
+    """Nobody is charged. If carriers have stalled there, a person is to look."""
+
+
+@dataclass(slots=True)
+class _Dock:
+    """What is known of one item at one place."""
+
+    last: dict[Reason, Failure] = field(default_factory=dict)
+    """The last failure for each reason."""
+    stalled: Failure | None = None
+    """The last failure by stalling; None once a person is to look because of it."""
+    in_a_row: int = 0
+    """How many such ones there were."""
+    accusers: tuple[str, ...] = ()
+    """The carriers for which a person is to look."""
+
+
 class DockFailures:
     """What one coordinator's carriers have failed to load or to unload, by place and item."""
 
     def __init__(self) -> None:
-        self._last: BoundedMap[tuple[str, str, Reason], Failure] = BoundedMap(DOCKS_KEPT)
-        """The last failure, by place, item and reason (`REASONS`)."""
-        self._accusers: BoundedMap[tuple[str, str], tuple[str, ...]] = BoundedMap(DOCKS_KEPT)
-        """By place and item: the carriers for which a person looks there."""
-        self._alone: BoundedMap[tuple[str, str], tuple[Failure, int]] = BoundedMap(DOCKS_KEPT)
-        """By place and item: the last failure to load or to unload, and how many such ones there were in a row."""
+        self._docks: BoundedMap[tuple[str, str], _Dock] = BoundedMap(DOCKS_KEPT)
 
     def accusers(self, place: str, item: str) -> tuple[str, ...]:
         """The carriers that have failed at a place where a person is to look; empty for none, as far as is known.
 
         With one alone the place may not be at fault.
         """
-        return self._accusers.get((place, item), ())
+        dock = self._docks.get((place, item))
+        return dock.accusers if dock is not None else ()
 
-    def accuses_another(self, carrier: str, place: str) -> bool:
-        """Whether a carrier has accused another place, of which nothing is known since."""
-        return any(carrier in pair and where != place for (where, _), pair in self._accusers.items())
+    def note(
+        self, place: str, item: str, reason: Reason, failure: Failure, *, believed: bool
+    ) -> tuple[Fault, Failure | None]:
+        """A carrier has failed to load or to unload an item: it has stalled, or was kept waiting.
 
-    def note(self, place: str, item: str, reason: Reason, failure: Failure) -> Failure | None:
-        """A carrier has failed to load or to unload an item.
+        Args:
+            place: where it stood.
+            item: the item.
+            reason: `STALLED` or `DOCK_HELD`.
+            failure: the carrier, and its task.
+            believed: whether its word counts beside another carrier's.
 
         Returns:
-            The failure of another carrier before it, by which the place is at fault. None if there is none.
+            Who is at fault; and the failure of another carrier before it, by which the place is at fault, if any.
         """
-        key = place, item, reason
-        before = self._last.pop(key, None)
+        has_stalled = reason is Reason.STALLED
+        if has_stalled and self._accuses_another(failure.carrier, place):
+            return Fault.CARRIER, None
+        dock = self._docks.pop((place, item), None) or _Dock()
+        self._docks[place, item] = dock
+        fault = Fault.CARRIER
+        if has_stalled:
+            dock.in_a_row = dock.in_a_row + 1 if dock.stalled == failure else 1
+            dock.stalled = failure
+            if dock.in_a_row >= ALONE:
+                fault, dock.stalled, dock.accusers = Fault.EITHER, None, (failure.carrier,)
+        if not believed:
+            return fault, None
+        before = dock.last.pop(reason, None)
         if before is None or before.carrier == failure.carrier:
-            self._last[key] = failure
-            return None
-        if reason is Reason.STALLED:  # Otherwise nobody is asked to look.
-            self._accusers[place, item] = before.carrier, failure.carrier
-        return before
-
-    def is_alone(self, place: str, item: str, failure: Failure) -> bool:
-        """A carrier has stalled. Returns whether a person is to look, because it alone has done so time after time."""
-        key = place, item
-        last, count = self._alone.pop(key, (failure, 0))
-        count = count + 1 if last == failure else 1
-        if count < ALONE:
-            self._alone[key] = failure, count
-            return False
-        self._accusers[key] = (failure.carrier,)
-        return True
+            dock.last[reason] = failure
+            return fault, None
+        if has_stalled:  # Otherwise nobody is asked to look.
+            dock.accusers = before.carrier, failure.carrier
+        return Fault.PLACE, before
 
     def forget(self, place: str, item: str) -> None:
         """Such a load has moved at the dock, or a person has looked."""
-        for reason in REASONS:
-            self._last.pop((place, item, reason), None)
-        self._accusers.pop((place, item), None)
-        self._alone.pop((place, item), None)
+        self._docks.pop((place, item), None)
+
+    def _accuses_another(self, carrier: str, place: str) -> bool:
+        """Whether a carrier has accused another place, of which nothing is known since."""
+        return any(carrier in dock.accusers and where != place for (where, _), dock in self._docks.items())
