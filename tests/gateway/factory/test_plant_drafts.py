@@ -120,6 +120,10 @@ async def test_a_layout_is_read_and_what_it_lacks_is_open_or_taken_from_the_runn
     assert bad.json()["errors"][0]["field"] == "file"
     text = await house.client.get(f"/api/plant-drafts/{onto['id']}/file")
     assert text.headers["content-type"].startswith("application/yaml")
+    assert text.headers["content-disposition"] == f'attachment; filename="{onto["data"]["plant"]}.yaml"'
+    odd = (await change(house, onto, data={**onto["data"], "plant": 'a"b'})).json()
+    text = await house.client.get(f"/api/plant-drafts/{odd['id']}/file")
+    assert text.headers["content-disposition"] == f'attachment; filename="{odd["id"]}.yaml"'
 
 
 async def test_what_no_draft_can_be_is_refused(house: House) -> None:
