@@ -144,7 +144,9 @@ async def test_a_floor_plan_is_kept_and_does_nothing_by_itself(house: House) -> 
     path = f"/api/plant-drafts/{draft['id']}/plan"
     svg = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
     body = {"media_type": "image/svg+xml", "base64": base64.b64encode(svg).decode()}
-    assert (await house.client.get(path)).status_code == 404
+    told = problem(await house.client.get(path), 404, "unknown-plan")
+    assert told["detail"] == f"nothing lies under draft {draft['id']}; PUT {path} lays a picture there"
+    problem(await house.client.get("/api/plant-drafts/none/plan"), 404, "unknown-draft")
     laid = await house.client.put(path, json=body)
     assert (laid.status_code, laid.json()["width_m"]) == (200, None)
     seen = await house.client.get(path)

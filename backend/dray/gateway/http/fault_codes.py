@@ -210,6 +210,8 @@ def code_of(fault: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
         case "at_most":
             return code, {"most": f"{context['le']:g}"}
         case "one_of":
-            return code, {"choices": ", ".join(re.findall(r"'([^']*)'", str(context["expected"])))}
+            return code, {
+                "choices": ", ".join(filter(None, re.findall(r"'([^']*)'", str(context["expected"]))))
+            }
         case _:
             return code, {}

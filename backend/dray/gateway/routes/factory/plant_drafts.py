@@ -334,7 +334,13 @@ async def get_plan(store: Provided[Store], draft: DraftId) -> Response:
     async with store.read() as work:
         found = await work.plant_drafts.plan(draft)
     if found is None:
-        raise not_found("draft", draft, LISTED)
+        await _state(store, draft)
+        raise Problem(
+            HTTPStatus.NOT_FOUND,
+            "unknown-plan",
+            "The draft has no floor plan",
+            f"nothing lies under draft {draft}; PUT /api/plant-drafts/{draft}/plan lays a picture there",
+        )
     return Response(found[1], media_type=found[0], headers=SHOWN_ALONE)
 
 
