@@ -179,8 +179,8 @@ def test_from_a_lif_file_to_a_played_shift(
 def test_a_plant_begins_on_an_empty_floor(workshop: str, open_page: OpenPage, screenshot: Screenshot) -> None:
     page = open_page(f"{workshop}/editor", **SIZE)
     page.get_by_label("Name of the draft").fill("Hall 4")
-    page.get_by_label(re.compile("width, m$")).fill("30")
-    page.get_by_label(re.compile("depth, m$")).fill("20")
+    page.get_by_role("spinbutton", name="width, m").fill("30")
+    page.get_by_role("spinbutton", name="depth, m").fill("20")
     screenshot(page, "editor-start")
     page.get_by_role("button", name="Begin with nothing on it").click()
     expect(page.get_by_role("heading", name="Hall 4")).to_be_visible()
