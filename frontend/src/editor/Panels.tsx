@@ -13,7 +13,7 @@ import { stocksOf } from "./stocks";
 import { COLUMNS, linesOf, REFERS, rowOf, rowsOf } from "./lists";
 import { Entries, Lines, OneOf, Rows, Together } from "./ListFields";
 import { Choice, Stocks } from "./StockFields";
-import { nameOf, whereOf, whereText } from "./where";
+import { fieldText, nameOf, whereOf, whereText } from "./where";
 
 export function Tools() {
   return (
@@ -130,7 +130,7 @@ export function Properties() {
     <section class="card ed-side" aria-labelledby="ed-chosen">
       <h2 id="ed-chosen">{word("section", chosen.section)} {nameOf(entry)}</h2>
       {own.map(({ finding, number }) => (
-        <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> {findingText(finding)} <Repair of={finding.repair} /></div>
+        <div key={number} class={`ed-said ed-${finding.level}`}><b>{number}</b> <b class="ed-where">{fieldText(finding.field, word)}</b> {findingText(finding)} <Repair of={finding.repair} /></div>
       ))}
       {fieldsOf(chosen.section, entry).map((name) => <div key={`${chosen.section}${chosen.index}${name}`} class="ed-at" data-at={name}>{fieldOf(name)}</div>)}
       {chosen.section === "unassigned" && (

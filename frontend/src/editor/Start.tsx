@@ -4,12 +4,14 @@ import { useEffect } from "preact/hooks";
 import { fileBody } from "../api/file-body";
 import { format, t } from "../text/editor";
 import { FileField } from "./FileField";
+import { emptyFloor } from "./model";
 import * as state from "./state";
 
 export function Start() {
   const name = useSignal("");
   const onto = useSignal(false);
   const unit = useSignal("");
+  const [width_m, height_m] = [useSignal(40), useSignal(25)];
   const failed = useSignal("");
   const busy = useSignal(false);
   useEffect(() => {
@@ -27,6 +29,15 @@ export function Start() {
         <p class="muted">{t("start.what")}</p>
         <label>{t("start.name")} <input type="text" maxLength={80} value={name.value} onInput={(event) => { name.value = event.currentTarget.value; }} /></label>
         <button type="button" class="button primary" disabled={busy.value} onClick={() => { doing(state.create(name.value.trim() || t("start.unnamed"))); }}>{t("start.running")}</button>
+        <fieldset>
+          <legend>{t("start.empty")}</legend>
+          <label>{t("start.width")} <input type="number" min={1} max={1000} value={width_m.value} onInput={(event) => { width_m.value = event.currentTarget.valueAsNumber; }} /></label>
+          <label>{t("start.depth")} <input type="number" min={1} max={1000} value={height_m.value} onInput={(event) => { height_m.value = event.currentTarget.valueAsNumber; }} /></label>
+          <button type="button" class="button" disabled={busy.value || !(width_m.value >= 1 && height_m.value >= 1)} onClick={() => {
+            const called = name.value.trim() || t("start.unnamed");
+            doing(state.create(called, { body: { text: emptyFloor(called, width_m.value, height_m.value) }, name: "", unit: "" }));
+          }}>{t("start.begin")}</button>
+        </fieldset>
         <fieldset>
           <legend>{t("start.file")}</legend>
           <label class="ed-check"><input type="checkbox" checked={onto.value} onChange={(event) => { onto.value = event.currentTarget.checked; }} /> {t("start.onto")}</label>

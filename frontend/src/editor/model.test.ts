@@ -146,3 +146,11 @@ test("what was drawn is undone and done again", () => {
   expect(undo(undo(undo(history))).now).toBe(1);
   expect(redo(step(undo(history), 9)).now).toBe(9);
 });
+
+test("an empty floor is a plant file whose sections are open, with an id of its name", () => {
+  const begins = (name: string): string[] => model.emptyFloor(name, 40, 25).split("\n").slice(0, 6);
+  expect(begins("Halle “4”")).toEqual(["plant: halle-4", 'name: "Halle “4”"', "width_m: 40", "height_m: 25", "nodes: []", "lanes: []"]);
+  expect(begins("4.")[0]).toBe("plant: plant");
+  expect(begins("x".repeat(40))[0]).toBe(`plant: ${"x".repeat(32)}`);
+  expect(model.emptyFloor("a", 1, 1)).toContain("machines: null\n");
+});

@@ -150,6 +150,15 @@ export function withNode(data: Data, spot: Spot, within_m: number): [Data, strin
   return [added(data, "nodes", { id, ...spot }), id];
 }
 
+const SECTIONS_OPEN = ["materials", "products", "warehouses", "storages", "chargers", "stations", "machines", "vehicle_types", "fleet"];
+
+/** A plant file of a floor with nothing on it: its sections are open, as those of a layout of other makers. */
+export function emptyFloor(name: string, width_m: number, height_m: number): string {
+  const plant = name.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^[^a-z]+/, "").slice(0, 32).replace(/-$/, "") || "plant";
+  const open = SECTIONS_OPEN.map((section) => `${section}: null\n`).join("");
+  return `plant: ${plant}\nname: ${JSON.stringify(name)}\nwidth_m: ${String(width_m)}\nheight_m: ${String(height_m)}\nnodes: []\nlanes: []\n${open}`;
+}
+
 export function withLane(data: Data, start: string, end: string, bothWays: boolean): Data {
   const there = lanesOf(data).some(
     (lane) => (lane.start === start && lane.end === end) || (lane.start === end && lane.end === start && (lane.both_ways === true || bothWays)),

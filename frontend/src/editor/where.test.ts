@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { en } from "../text/editor/en";
-import { whereOf, whereText } from "./where";
+import { fieldText, whereOf, whereText } from "./where";
 
 const data = {
   nodes: [{ id: "n1" }, { id: "n2" }],
@@ -27,6 +27,12 @@ test.each([
   ["something_new[0].else", "something new 1 · else"],
 ])("the checks' %s is called %s", (field, said) => {
   expect(whereText(field, data, word)).toBe(said);
+});
+
+test("in the form of a thing a finding is called by its field alone", () => {
+  expect(fieldText("machines[1].makes[0].product", word)).toBe("Makes 1 · Product");
+  expect(fieldText("machines[1].station", word)).toBe(word("field", "station"));
+  expect(fieldText("machines[1]", word)).toBe("");
 });
 
 test("a way leads to what is drawn, to an entry of a list, or nowhere", () => {

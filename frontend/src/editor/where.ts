@@ -32,6 +32,12 @@ export function whereText(field: string, data: Data, word: Words): string {
   return [...thing, ...labelsOf(steps, chosen !== null, word)].join(" · ");
 }
 
+/** Where a finding is in the form of a thing that is drawn: `Makes 1 · Product`. */
+export function fieldText(field: string, word: Words): string {
+  const { chosen, steps } = whereOf(field);
+  return labelsOf(steps, chosen !== null, word).join(" · ");
+}
+
 function entryOf(data: Data, { index, section }: { readonly index: number; readonly section: string }): object | null {
   return entries<object | null>(data, section)[index] ?? null;
 }

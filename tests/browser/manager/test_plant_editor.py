@@ -176,6 +176,37 @@ def test_from_a_lif_file_to_a_played_shift(
 
 
 @pytest.mark.slow
+def test_a_plant_begins_on_an_empty_floor(workshop: str, open_page: OpenPage, screenshot: Screenshot) -> None:
+    page = open_page(f"{workshop}/editor", **SIZE)
+    page.get_by_label("Name of the draft").fill("Hall 4")
+    page.get_by_role("spinbutton", name="width, m").fill("30")
+    page.get_by_role("spinbutton", name="depth, m").fill("20")
+    screenshot(page, "editor-start")
+    page.get_by_role("button", name="Begin with nothing on it").click()
+    expect(page.get_by_role("heading", name="Hall 4")).to_be_visible()
+    checks = page.locator(".ed-checks li")
+    expect(checks.filter(has_text="is open: what makes products")).to_be_visible()
+    page.get_by_role("button", name="Draft alone").click()
+    page.locator(".ed-tool").filter(has_text="Two-way road").click()
+    expect(page.get_by_text("the last node again ends the row")).to_be_visible()
+    click(page, 8.0, 10.0)
+    click(page, 12.0, 10.0)
+    page.locator(".ed-tool").filter(has_text="Machine").click()
+    click(page, 8.0, 10.0)
+    expect(checks.filter(has_text="Machine M1 · Working station is open")).to_be_visible()
+    side = page.locator(".ed-side")
+    side.get_by_label("Kind").select_option("Machine")
+    side.get_by_label("Which").select_option(index=1)
+    expect(side.locator(".ed-said").first).to_contain_text("Working station is open")
+    screenshot(page, "editor-empty-floor")
+    expect(page.locator(".ed-kept")).to_contain_text("kept as version")
+    with page.expect_download() as saved:
+        page.get_by_role("link", name="Save as file").click()
+    assert saved.value.suggested_filename == "hall-4.yaml"
+    assert "width_m: 30" in Path(saved.value.path()).read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
 def test_what_a_layout_leaves_open_is_shown_empty_and_filled_in_by_choice(
     workshop: str, open_page: OpenPage, screenshot: Screenshot, lif_file: Path
 ) -> None:

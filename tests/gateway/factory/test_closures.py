@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,6 +25,8 @@ from dray.gateway.live.stream_scopes import AreaScope
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.live.views import ClosureView, LaneView
 from dray.gateway.live.visibility import AreaVisibility
+from dray.gateway.routes.factory.floor.closures import ClosureRequest
+from dray.gateway.routes.factory.floor.obstacles import ClearedRequest
 from dray.messages import ClosureKind, Closures, Message, closed_words
 from dray.messages.floor.closure import MAX_CLOSURES
 from dray.plant import load_plant
@@ -34,6 +39,8 @@ EVERY_S = Closings.EVERY_S
 
 
 PLANT = load_plant("single-track")
+
+API = Path(__file__).parents[3] / "docs/api.md"
 
 LANE = {"lane": {"start": "c3", "end": "m5-lane"}}
 
@@ -384,3 +391,31 @@ def test_the_stream_of_an_area_has_its_closures_and_tells_when_they_have_ended()
     told = projection.delta(3, NOW_S, None)
     assert scopes[left].delta(told).gone == ("closure:c1",)
     assert scopes[right].delta(told).gone == ()
+
+
+# --- examples ---------------------------------------------------------------------------------------
+
+
+def examples_of_a_closure() -> list[dict[str, Any]]:
+    """Bodies of closures in the OpenAPI document and in docs/api.md."""
+    told = ClosureRequest.model_json_schema()["examples"]
+    [written] = re.findall(
+        r"^    POST /api/closures\n    (.*)$", API.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    return [*told, json.loads(written)]
+
+
+@pytest.mark.parametrize("body", examples_of_a_closure())
+async def test_each_example_is_a_closure_of_the_plant_that_a_newcomer_starts(
+    url: str, body: dict[str, Any]
+) -> None:
+    async with gateway(url, plant=load_plant("default").file) as house:
+        answer = await house.client.post("/api/closures", json=body)
+        assert answer.status_code == 201, answer.text
+
+
+def test_the_example_of_an_obstacle_names_a_lane_of_that_plant() -> None:
+    [lane] = ClearedRequest.model_json_schema()["examples"]
+    assert load_plant("default").roads.lane(lane["start"], lane["end"]) is not None
+    written = json.dumps({"start": lane["start"], "end": lane["end"]})
+    assert f"/api/obstacles/cleared` with `{written}`" in API.read_text(encoding="utf-8")

@@ -120,6 +120,10 @@ async def test_a_layout_is_read_and_what_it_lacks_is_open_or_taken_from_the_runn
     assert bad.json()["errors"][0]["field"] == "file"
     text = await house.client.get(f"/api/plant-drafts/{onto['id']}/file")
     assert text.headers["content-type"].startswith("application/yaml")
+    assert text.headers["content-disposition"] == f'attachment; filename="{onto["data"]["plant"]}.yaml"'
+    odd = (await change(house, onto, data={**onto["data"], "plant": 'a"b'})).json()
+    text = await house.client.get(f"/api/plant-drafts/{odd['id']}/file")
+    assert text.headers["content-disposition"] == f'attachment; filename="{odd["id"]}.yaml"'
 
 
 async def test_what_no_draft_can_be_is_refused(house: House) -> None:
@@ -140,7 +144,9 @@ async def test_a_floor_plan_is_kept_and_does_nothing_by_itself(house: House) -> 
     path = f"/api/plant-drafts/{draft['id']}/plan"
     svg = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
     body = {"media_type": "image/svg+xml", "base64": base64.b64encode(svg).decode()}
-    assert (await house.client.get(path)).status_code == 404
+    told = problem(await house.client.get(path), 404, "unknown-plan")
+    assert told["detail"] == f"nothing lies under draft {draft['id']}; PUT {path} lays a picture there"
+    problem(await house.client.get("/api/plant-drafts/none/plan"), 404, "unknown-draft")
     laid = await house.client.put(path, json=body)
     assert (laid.status_code, laid.json()["width_m"]) == (200, None)
     seen = await house.client.get(path)

@@ -305,3 +305,8 @@ async def test_our_own_page_can_place_an_order(url: str) -> None:
     async with gateway(url) as house:
         answer = await house.client.post("/api/orders", json=body(), headers={"Origin": "http://dray.test"})
         assert answer.status_code == 201
+
+
+async def test_a_choice_of_nothing_is_not_named_among_the_choices(house: House) -> None:
+    told = problem(await house.client.get("/api/audit?result=odd"), 422, "unusable-fields")
+    assert told["errors"][0]["reason"] == "it is none of done, refused, failed"

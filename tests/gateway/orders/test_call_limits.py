@@ -92,7 +92,7 @@ async def test_only_so_many_calls_of_a_key_are_open_at_once(house: House) -> Non
     body = problem(refused, 429, "key-full")
     assert body["errors"][0] == {
         "field": "key",
-        "reason": "calls of this key that may be open at once, and are: 2; call one off, or wait until one has ended",
+        "reason": "open calls of this key: 2, and it may have no more; cancel one, or wait until one has ended",
         "code": "key_full",
         "values": {"most": "2"},
     }

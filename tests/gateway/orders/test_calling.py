@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+from string import Formatter
 from typing import Any
 
 import httpx
@@ -15,7 +16,8 @@ from heartbeats import events, machine_heartbeat
 from dray.errors import UnavailableError
 from dray.gateway.access.principal import Scope
 from dray.gateway.calling.code import drawn
-from dray.gateway.calling.texts import TEXTS
+from dray.gateway.calling.texts import REFUSALS, TEXTS
+from dray.gateway.http import fault_codes
 from dray.messages import (
     THING,
     BufferLevel,
@@ -45,10 +47,11 @@ async def opened(house: House, token: str, **query: str) -> httpx.Response:
     return await house.visitor().get(f"/call/{token}", params=query, headers={"Accept-Language": "en"})
 
 
-async def pressed(house: House, token: str, page: str, way: str) -> httpx.Response:
+async def pressed(house: House, token: str, page: str, way: str, language: str = "en") -> httpx.Response:
     """Press a button of the page, with what the form holds."""
     hidden = dict(re.findall(r'<input type="hidden" name="(\w+)" value="([^"]*)">', page))
-    return await house.visitor().post(f"/call/{token}", data=hidden | {"way": way})
+    header = {"Accept-Language": language}
+    return await house.visitor().post(f"/call/{token}", data=hidden | {"way": way}, headers=header)
 
 
 async def test_a_key_of_a_place_calls_for_that_place_only(house: House) -> None:
@@ -70,8 +73,29 @@ async def test_the_page_shows_what_its_key_calls_for_and_says_when_it_has_called
     assert (await pressed(house, token, page, "bring")).status_code == 303
     second = await pressed(house, token, (await opened(house, token, item="shaft")).text, "bring")
     assert second.status_code == 422
-    assert "calls of this key that may be open at once, and are: 1" in second.text
+    reason = "open calls of this key: 1, and it may have no more; cancel one, or wait until one has ended"
+    assert f'role="alert">Not called: {reason}</p>' in second.text, "one reason is enough"
+    german = await pressed(
+        house, token, (await opened(house, token, item="shaft")).text, "bring", language="de"
+    )
+    assert "Nicht gerufen: offene Rufe dieses Schlüssels: 1, mehr darf er nicht haben." in german.text
     assert len((await house.visitor(**header).get(PATH)).json()["items"]) == 1
+
+
+@pytest.mark.parametrize("language", list(REFUSALS))
+def test_each_refusal_of_the_page_fills_in_what_its_reason_has(language: str) -> None:
+    def fields(text: str) -> set[str]:
+        return {field for _, field, _, _ in Formatter().parse(text) if field is not None}
+
+    reasons = {**fault_codes.TEXTS, **fault_codes.WORDS}
+    assert REFUSALS.keys() == TEXTS.keys() - {"en"}
+    assert REFUSALS[language].keys() == REFUSALS["de"].keys()
+    for code, words in REFUSALS[language].items():
+        if code in reasons:
+            assert fields(words) <= fields(reasons[code]), code
+        else:
+            assert code == "too-many-transports"
+            assert not fields(words)
 
 
 @pytest.mark.parametrize(("named", "other"), [("to", "from"), ("from", "to")])
@@ -242,7 +266,7 @@ async def test_the_second_of_two_touches_shows_the_refusal_of_the_first(house: H
     answers = await asyncio.gather(*(pressed(house, token, page, "bring") for _ in range(6)))
     for answer in answers:
         assert answer.status_code == 422
-        assert "may be open at once" in answer.text
+        assert "it may have no more" in answer.text
     assert house.bus.sent_to("M8", TransportOrdered) == []
     assert len((await house.visitor(**header).get(PATH)).json()["items"]) == 1
 

@@ -63,6 +63,8 @@ def test_a_priority_is_read_in_any_letters_and_an_unknown_one_is_named_with_its_
         ("customer,product,quantity,wishes\nc,p,1,x\n", "column_unknown", {"columns": ", ".join(COLUMNS)}),
         (f"customer,product,quantity\nc,{PRODUCT},many\n", "whole_number", {}),
         (f"customer,product,quantity\nc,{PRODUCT},0\n", "at_least", {"least": "1"}),
+        (f"customer,product,quantity\nc,{PRODUCT},-1\n", "at_least", {"least": "1"}),
+        (f"customer,product,quantity\nc,{PRODUCT},--1\n", "whole_number", {}),
         (f"customer,product,quantity\n,{PRODUCT},1\n", "missing", {}),
         ("customer,product,quantity\nc,9x,1\n", "pattern", {}),
         (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import AsyncIterator
 from html.parser import HTMLParser
 
 import pytest
@@ -206,6 +207,24 @@ async def test_a_head_request_is_answered_like_the_page(house: House) -> None:
     assert answer.headers["etag"] == (await house.client.get(story.path)).headers["etag"]
     assert (await house.client.head("/track/guess")).status_code == 404
     problem(await house.client.post(story.path), 405, "method-not-allowed")
+
+
+async def test_a_link_needs_no_body_but_what_is_sent_must_be_json(house: House) -> None:
+    order = (await house.place())["id"]
+    path = f"/api/orders/{order}/links"
+    made = await house.client.post(path)
+    assert (made.status_code, made.json()["expires_at_s"]) == (201, None)
+    problem(await house.client.post(path, content=b'{"days": 1}'), 415, "not-called-json")
+
+    async def pieces() -> AsyncIterator[bytes]:
+        yield b'{"days": 1}'
+
+    problem(await house.client.post(path, content=pieces()), 415, "not-called-json")
+
+
+async def test_an_unknown_link_says_what_to_do(house: House) -> None:
+    told = problem(await house.visitor().get("/api/track/guess"), 404, "unknown-tracking-page")
+    assert told["detail"] == "nothing has the link 'guess'; look whether all of it was copied, or ask for a new one"
 
 
 async def test_an_order_has_only_so_many_links_and_those_that_ended_do_not_pile_up(

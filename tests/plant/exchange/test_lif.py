@@ -348,7 +348,7 @@ def test_what_is_filled_in_is_open_no_more() -> None:
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (b"", "not JSON"),
+        (b"", "is empty"),
         (b"[]", "no LIF file"),
         (b"{}", "no LIF file"),
         (b"{" * 100_000, "not JSON"),

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from layout_files import edge, layout, lif, node, station
 
+from dray.errors import PlantError
 from dray.plant.exchange.assemble import Imported
 from dray.plant.exchange.lif_values import NAMED as KNOWN
 from dray.plant.exchange.read import read_layout
@@ -139,3 +140,37 @@ def test_each_field_of_the_schema_of_2_0_0_is_known() -> None:
     assert {kind: set(names.split()) - KNOWN[kind] for kind, names in published.items()} == {
         kind: set() for kind in published
     }
+
+
+@pytest.mark.parametrize("version", ["0.11.0", "1.0.0", "2.0.0"])
+def test_a_version_that_is_known_is_no_oddity(version: str) -> None:
+    assert "lifVersion" not in said(read_layout(of_version(version), "hall.json"))
+
+
+@pytest.mark.parametrize("version", ["9.9.9", "3.0.0", "draft"])
+def test_another_version_is_reported_with_those_that_are_known(version: str) -> None:
+    assert (
+        f"/metaInformation/lifVersion: lifVersion {version} is none of 0.x, 1.x, 2.x: read as far as it is alike"
+        in said(read_layout(of_version(version), "hall.json"))
+    )
+
+
+def of_version(version: str) -> bytes:
+    return lif(layout(LINE, [edge("a", "b")])).replace(
+        b'"lifVersion":"1.0.0"', f'"lifVersion":"{version}"'.encode()
+    )
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"", "it is empty: choose a LIF file (JSON) or a plant model of openTCS (XML)"),
+        (b" \r\n", "it is empty: choose a LIF file (JSON) or a plant model of openTCS (XML)"),
+        (b"hello", "it is neither JSON, as a LIF file is, nor XML, as a plant model of openTCS is"),
+        (b'{"layouts":', "not JSON: it ends too soon"),
+    ],
+)
+def test_a_file_that_is_no_layout_says_what_it_is_not(content: bytes, why: str) -> None:
+    with pytest.raises(PlantError) as refused:
+        read_layout(content, "hall.json")
+    assert str(refused.value) == f"hall.json: {why}"

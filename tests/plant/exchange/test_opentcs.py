@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from math import pi
+from pathlib import Path
 
 import pytest
+import yaml
 from layout_files import model
 
 from dray.errors import PlantError
 from dray.plant.exchange.assemble import Imported
 from dray.plant.exchange.curves import bezier, length_m
 from dray.plant.exchange.read import read_layout
+from dray.plant.file.document import write_document
+from dray.plant.file.file import parse_plant
 from dray.plant.file.unfinished import drawable
+from dray.plant.planning.advice import advice
 from dray.plant.planning.drawing import draw
 
 
@@ -298,3 +304,63 @@ def test_the_largest_vehicle_of_a_point_comes_into_the_plant() -> None:
     )
     assert all("max_vehicle" not in node for node in none.data["nodes"])
     assert "<maxVehicleBoundingBox> without a length and a width is for all vehicles" in said(none)
+
+
+# --- docs/layouts.md: from a layout to a served order ----------------------------------------------------
+
+POINTS = {
+    "P1": (2, 2), "P2": (12, 2), "P3": (22, 2), "P4": (22, 12), "P5": (12, 12), "P6": (2, 12),
+    "S": (2, 7), "M": (22, 7), "G": (12, 7), "PK1": (7, 15), "PK2": (17, 15), "CH": (7, 0),
+}  # fmt: skip
+
+PATHS = "P1 P2, P2 P3, P4 P5, P5 P6, P1 S, S P6, P3 M, M P4, P2 G, G P5, P6 PK1, PK1 P5, P5 PK2, PK2 P4, P1 CH, CH P2"
+
+LOCATIONS = {"Storage A": "S", "Press": "M", "Gate": "G", "Goods in": "P1"}
+
+
+def hall() -> bytes:
+    """The model of openTCS to which the document's sections belong."""
+    points = "".join(
+        f'<point name="{name}" positionX="{x * 1000}" positionY="{y * 1000}" '
+        f'type="{"PARK" if name.startswith("PK") else "HALT"}_POSITION"/>'
+        for name, (x, y) in POINTS.items()
+    )
+    paths = "".join(
+        f'<path name="{start} --- {end}" sourcePoint="{start}" destinationPoint="{end}" maxVelocity="1000" '
+        f'maxReverseVelocity="1000"/>'
+        for start, end in (path.split() for path in PATHS.split(", "))
+    )
+    vehicles = "".join(f'<vehicle name="{name}" length="1200" maxVelocity="1000"/>' for name in ("V1", "V2"))
+    locations = "".join(
+        f'<location name="{name}" type="{kind}"><link point="{point}"/></location>'
+        for name, point, kind in (
+            *((name, point, "Transfer") for name, point in LOCATIONS.items()),
+            ("Charger", "CH", "Charging"),
+        )
+    )
+    kinds = (
+        '<locationType name="Charging"><allowedOperation name="CHARGE"/></locationType>'
+        '<locationType name="Transfer"><allowedOperation name="Load"/></locationType>'
+    )
+    return f'<model version="6.0.0" name="Hall">{points}{paths}{vehicles}{kinds}{locations}</model>'.encode()
+
+
+def test_a_hall_of_opentcs_is_finished_with_the_sections_of_the_document_and_runs() -> None:
+    data = read(hall()).data
+    document = (Path(__file__).parents[3] / "docs/layouts.md").read_text(encoding="utf-8")
+    [block] = re.findall(r"```yaml\n(materials:.*?)```", document, re.DOTALL)
+    written = yaml.safe_load(block)
+    assert {name for name in data if data[name] is None} == set(written)
+    assert {each["node"] for each in data["unassigned"]} == set(LOCATIONS.values())
+    data |= written
+    data["unassigned"] = []
+    data["chargers"][0]["box"] = {"x_m": 9, "y_m": 0.5, "width_m": 0.5, "depth_m": 0.5}
+    [kind] = data["vehicle_types"]
+    still_open = {name for name, value in kind.items() if value is None}
+    assert still_open == {"width_m", "load_s", "unload_s", "battery_wh", "charge_w"}
+    assert all(f"`{name}`" in document for name in still_open)
+    kind.update(width_m=0.8, load_s=15, unload_s=15, battery_wh=500, charge_w=600)
+    for vehicle, node in zip(data["fleet"], ("PK1", "PK2"), strict=True):
+        vehicle["node"] = node
+    plant = parse_plant(write_document(data), "hall.yaml")
+    assert [each for each in advice(plant) if each.level == "error"] == []

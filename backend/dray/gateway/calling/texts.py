@@ -207,3 +207,41 @@ TEXTS: Mapping[str, Mapping[str, str]] = {
         aún no debe empezar""",
     ),
 }
+
+REFUSALS: Mapping[str, Mapping[str, str]] = {
+    "de": {
+        "key_full": "offene Rufe dieses Schlüssels: {most}, mehr darf er nicht haben. Einen abbestellen oder warten, bis einer da ist",
+        "key_full_at": "offene Rufe dieses Schlüssels für {place}: {most}, mehr darf er nicht haben. Einen abbestellen oder warten, bis einer da ist",
+        "share_used": "mehr als {most} offene Rufe darf keiner haben. Warten, bis einer da ist",
+        "too-many-transports": "im ganzen Werk sind zu viele Transporte offen. Später noch einmal rufen",
+        "place_not_keeping": "{place} hat keinen Platz für {item}",
+        "no_other_storage": "kein anderes Lager führt {item}",
+        "only_items": "mit diesem Schlüssel ruft man nur {items}",
+        "load_too_large": "eine Ladung {item} sind höchstens {most}. Mehrmals rufen: {loads}",
+        "item_is_product": "{item} ist ein Produkt: fertige Ware wird von selbst abgeholt",
+        "thing_place": "wählen, wohin oder woher",
+        "thing_ability": "wählen, als was es getragen wird: {abilities}",
+        "same_place": "es ist schon bei {place}. Einen anderen Platz wählen",
+        "ability_nobody": "kein Fahrzeug dieses Werks trägt {carried}",
+        "at_least": "die Zahl ist zu klein: mindestens {least}",
+        "missing": "es fehlt etwas. Alles ausfüllen",
+    },
+    "es": {
+        "key_full": "llamadas abiertas de esta clave: {most}; no puede tener más. Anule una o espere a que llegue una",
+        "key_full_at": "llamadas abiertas de esta clave para {place}: {most}; no puede tener más. Anule una o espere a que llegue una",
+        "share_used": "nadie puede tener más de {most} llamadas abiertas. Espere a que llegue una",
+        "too-many-transports": "hay demasiados transportes abiertos en la planta. Llame más tarde",
+        "place_not_keeping": "{place} no tiene sitio para {item}",
+        "no_other_storage": "ningún otro almacén guarda {item}",
+        "only_items": "esta clave solo pide {items}",
+        "load_too_large": "una carga de {item} es de {most} como máximo. Llame varias veces: {loads}",
+        "item_is_product": "{item} es un producto: lo terminado se recoge por sí solo",
+        "thing_place": "elija adónde o de dónde",
+        "thing_ability": "elija como qué se lleva: {abilities}",
+        "same_place": "ya está en {place}. Elija otro puesto",
+        "ability_nobody": "ningún vehículo de esta planta lleva {carried}",
+        "at_least": "el número es demasiado pequeño: {least} como mínimo",
+        "missing": "falta algo. Rellénelo todo",
+    },
+}
+"""Why nothing was called, by the code of the reason or the kind of problem; in English, and for all others, the reason itself."""

@@ -77,8 +77,8 @@ TEXTS: Mapping[str, str] = {
     "only_items": "this key calls for {items} only",
     "only_priority": "this key calls with {most} at the highest",
     "only_later": "this key calls with {most} at the highest: name no time before {soonest}",
-    "key_full": "calls of this key that may be open at once, and are: {most}; call one off, or wait until one has ended",
-    "key_full_at": "calls of this key that may be open at once for {place}, and are: {most}; call one off, or wait until one has ended",
+    "key_full": "open calls of this key: {most}, and it may have no more; cancel one, or wait until one has ended",
+    "key_full_at": "open calls of this key for {place}: {most}, and it may have no more; cancel one, or wait until one has ended",
     "share_used": "one caller may have {most}",
     "ability_unknown": "no vehicle that carries {carried} has {wanted}; they have {abilities}",
     "ability_nobody": "no vehicle of this plant carries {carried}",
@@ -210,6 +210,8 @@ def code_of(fault: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
         case "at_most":
             return code, {"most": f"{context['le']:g}"}
         case "one_of":
-            return code, {"choices": ", ".join(re.findall(r"'([^']*)'", str(context["expected"])))}
+            return code, {
+                "choices": ", ".join(filter(None, re.findall(r"'([^']*)'", str(context["expected"]))))
+            }
         case _:
             return code, {}

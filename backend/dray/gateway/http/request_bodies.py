@@ -79,6 +79,16 @@ async def json_only(request: Request) -> None:
     )
 
 
+async def json_or_nothing(request: Request) -> None:
+    """As `json_only`, for a body that may be left out.
+
+    Raises:
+        Problem: 415.
+    """
+    if "transfer-encoding" in request.headers or request.headers.get("content-length", "0") != "0":
+        await json_only(request)
+
+
 async def read_form(request: Request, fields: int) -> dict[str, str]:
     """The text fields of a form.
 

@@ -90,7 +90,7 @@ def refuse_full(
         raise Problem(
             HTTPStatus.TOO_MANY_REQUESTS,
             "key-full",
-            "As many calls of this key are open as may be",
+            "This key has its maximum of open calls",
             "; ".join(each.reason for each in errors),
             errors=errors,
             headers={"Retry-After": str(AGAIN_S)},

@@ -68,13 +68,13 @@ async def alone(at_work: AtWork, key: str, *, waits: bool = False) -> AsyncItera
 
 
 def refuse_other_body(kept: KeptAnswer, fingerprint: str) -> None:
-    """Refuse a key that was used for another order.
+    """Refuse a key that was used for another request.
 
     Raises:
         Problem: 422.
     """
     if kept.fingerprint != fingerprint:
-        reason = f"it was used for another order ({kept.order_id}); take a new key for a new order"
+        reason = f"it was used for another request ({kept.order_id}); take a new key for each new one"
         raise Problem(
             HTTPStatus.UNPROCESSABLE_ENTITY,
             "key-used",

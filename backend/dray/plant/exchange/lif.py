@@ -42,6 +42,11 @@ from dray.plant.file.reasons import Reason
 CREATOR = "Dray"
 """The creator in files of `lif_export`."""
 
+MAJORS = frozenset({"0", "1", "2"})
+"""Of the versions that are read: drafts call themselves 0.11.0, for example."""
+
+KNOWN_VERSIONS = "0.x, 1.x, 2.x"
+
 TOLD_TWICE_M = 0.05
 """A node that two layouts have under one id at one spot is one node."""
 
@@ -79,6 +84,11 @@ class _Reader(LifValues):
         version = str(meta.get("lifVersion") or "")
         if not version:
             self._notes.add("/metaInformation", Reason("note_does_not_say_its_lifversion"))
+        elif version.partition(".")[0] not in MAJORS:
+            self._notes.add(
+                "/metaInformation/lifVersion",
+                Reason("note_lif_version_none_read_as", version=version[:32], known=KNOWN_VERSIONS),
+            )
         name = str(meta.get("projectIdentification") or meta.get("lifId") or "Imported layout")
         for key in self._data.keys() - {"metaInformation", "layouts", "origins"}:
             self._notes.add(f"/{key}", Reason("note_not_understood_kept_mapping", key=key))
@@ -373,6 +383,8 @@ def decode(text: str) -> Json:
     Raises:
         ValueError: it is none.
     """
+    if not text:
+        raise ValueError("it is empty: choose a LIF file (JSON) or a plant model of openTCS (XML)")
     try:
         data = msgspec.json.decode(text.encode())
     except UnicodeEncodeError:
@@ -380,6 +392,10 @@ def decode(text: str) -> Json:
     except RecursionError:
         raise ValueError("not JSON of a layout: nested too deep") from None
     except msgspec.DecodeError as error:
+        if text[:1] not in ("{", "["):
+            raise ValueError(
+                "it is neither JSON, as a LIF file is, nor XML, as a plant model of openTCS is"
+            ) from None
         raise ValueError(f"not JSON: {_where(text, str(error))}") from None
     if not isinstance(data, dict) or not {"layouts", "origins"} & data.keys():
         raise ValueError("no LIF file: there is no `layouts` in it; nor is it XML of openTCS")

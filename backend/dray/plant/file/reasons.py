@@ -233,6 +233,7 @@ NOTE_TEXTS: Mapping[str, str] = {
     "note_edge_leads_back_its_own": "edge {edge} leads back to its own node: it is left out",
     "note_edge_second_from_first_taken": "edge {edge} is a second one from {start} to {end}: the first one is taken{also}",
     "note_moved_by_so_floor_begins": "moved by {x_m:.2f} m, {y_m:.2f} m, so that the floor begins at 0, 0",
+    "note_lif_version_none_read_as": "lifVersion {version} is none of {known}: read as far as it is alike",
     "note_does_not_say_its_lifversion": "it does not say its lifVersion",
     "note_not_understood_kept_mapping": "`{key}` is not understood: it is kept in the mapping",
     "note_node_stands_several_other_layouts": "node {name} stands in several other layouts: the first one is taken",

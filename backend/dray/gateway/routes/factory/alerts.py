@@ -109,5 +109,5 @@ async def acknowledge_alert(
     )
     view = taken and visible.alert(taken)
     if view is None:
-        raise not_found("alert", alert, "GET /api/alerts; its cause may be gone")
+        raise not_found("alert", alert, "its cause may be gone; GET /api/alerts")
     return Json(view)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import re
 from http import HTTPStatus
 from typing import Annotated
 
@@ -261,7 +262,7 @@ async def get_file(
     return Response(
         file,
         media_type="application/yaml",
-        headers={"Content-Disposition": f'attachment; filename="{draft}.yaml"'},
+        headers={"Content-Disposition": f'attachment; filename="{_plant_id(file) or draft}.yaml"'},
     )
 
 
@@ -333,7 +334,13 @@ async def get_plan(store: Provided[Store], draft: DraftId) -> Response:
     async with store.read() as work:
         found = await work.plant_drafts.plan(draft)
     if found is None:
-        raise not_found("draft", draft, LISTED)
+        await _state(store, draft)
+        raise Problem(
+            HTTPStatus.NOT_FOUND,
+            "unknown-plan",
+            "The draft has no floor plan",
+            f"nothing lies under draft {draft}; PUT /api/plant-drafts/{draft}/plan lays a picture there",
+        )
     return Response(found[1], media_type=found[0], headers=SHOWN_ALONE)
 
 
@@ -384,6 +391,12 @@ def _view_key(draft: str, version: int, plan_type: str) -> Key:
 
 def _file_key(draft: str, version: int) -> Key:
     return ("plant file", draft, version)
+
+
+def _plant_id(file: bytes) -> str:
+    """The id of the plant in a plant file; empty if it is none for the name of a file."""
+    found = re.search(rb"^plant: ([A-Za-z][A-Za-z0-9_.-]{0,31})\r?$", file, re.MULTILINE)
+    return found[1].decode() if found else ""
 
 
 async def _state(store: Store, draft: str) -> tuple[int, str]:

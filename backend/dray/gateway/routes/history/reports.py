@@ -91,7 +91,7 @@ EXAMPLES = (
         ),
         areas=(
             AreaShift(
-                area="area1",
+                area="AREA1",
                 name="North",
                 machines=6,
                 starved_frac=0.016,

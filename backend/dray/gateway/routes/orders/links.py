@@ -39,6 +39,10 @@ class LinkDraft(BaseModel):
         return None if self.days is None else now_s + self.days * DAY_S
 
 
+NO_END = LinkDraft(days=None)
+"""A request without a body."""
+
+
 class NewLink(msgspec.Struct, frozen=True):
     """A new link."""
 

@@ -11,7 +11,7 @@ from dray.gateway.access.audit_log import Noted
 from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
-from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.request_bodies import json_or_nothing
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
 from dray.gateway.live.projection.orders import goals_before
@@ -25,6 +25,7 @@ from dray.gateway.orders.timeline import (
     timeline,
 )
 from dray.gateway.routes.orders.links import (
+    NO_END,
     LinkDraft,
     LinksRevoked,
     LinkView,
@@ -200,7 +201,7 @@ def _add_present(goal: OrderGoalView, facts: Facts, projection: Projection) -> N
 @router.post(
     "/orders/{order}/links",
     status_code=HTTPStatus.CREATED,
-    dependencies=[Depends(json_only)],
+    dependencies=[Depends(json_or_nothing)],
     responses={
         201: described(NewLink, "The link"),
         **problems(p404="There is no such order", p409="As many links lead to its page as may be"),
@@ -213,7 +214,7 @@ async def make_link(
     now_s: Now,
     note: Noted,
     order: str,
-    draft: LinkDraft,
+    draft: LinkDraft = NO_END,
 ) -> Json:
     """Create another link to an order's customer page."""
     token, ends_s = new_token(), draft.ends_s(now_s)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Path
 
-from dray.gateway.http.problems import Problem, not_found
+from dray.gateway.http.problems import Problem
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.responses import Json, described, problems
 from dray.gateway.live.projection import Projection
@@ -99,7 +99,12 @@ def material_name(projection: Projection, item: str) -> str:
 
 def _no_page(why: NoPage, token: str) -> Problem:
     if why is NoPage.UNKNOWN:
-        problem = not_found("tracking-page", token, "the message that brought the link")
+        problem = Problem(
+            HTTPStatus.NOT_FOUND,
+            "unknown-tracking-page",
+            "There is no such page",
+            f"nothing has the link {token!r}; look whether all of it was copied, or ask for a new one",
+        )
     else:
         problem = Problem(
             HTTPStatus.GONE,

@@ -18,7 +18,7 @@ from dray.gateway.http.csv_tables import Format, Row, row_of, table, with_csv
 from dray.gateway.http.problems import not_found
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
-from dray.gateway.http.request_bodies import json_only
+from dray.gateway.http.request_bodies import json_only, json_or_nothing
 from dray.gateway.http.responses import (
     PAGE,
     Cursor,
@@ -44,6 +44,7 @@ from dray.gateway.orders.transport_timeline import KINDS, TransportTimeline, tra
 from dray.gateway.orders.transports import PlainTransports
 from dray.gateway.orders.wanted_vehicle import why_not
 from dray.gateway.routes.orders.links import (
+    NO_END,
     LinkDraft,
     LinksRevoked,
     LinkView,
@@ -345,7 +346,7 @@ async def transport_timeline_of(
 @router.post(
     "/transports/{transport}/links",
     status_code=HTTPStatus.CREATED,
-    dependencies=[Depends(json_only)],
+    dependencies=[Depends(json_or_nothing)],
     responses={
         201: described(NewLink, "The link"),
         **problems(p404="There is no such transport", p409="As many links lead to its page as may be"),
@@ -360,7 +361,7 @@ async def make_transport_link(
     now_s: Now,
     note: Noted,
     transport: str,
-    draft: LinkDraft,
+    draft: LinkDraft = NO_END,
 ) -> Json:
     """Create a link to a transport's page: content, route, progress, and expected time."""
     token, ends_s = new_token(), draft.ends_s(now_s)

@@ -23,10 +23,10 @@ from dray.gateway.access.principal import Principal, Scope
 from dray.gateway.access.tokens import new_token
 from dray.gateway.calling.code import drawn
 from dray.gateway.calling.page import SHOWN, called, choices, tiles, until
-from dray.gateway.calling.texts import TEXTS
+from dray.gateway.calling.texts import REFUSALS, TEXTS
 from dray.gateway.http.assets import NotBuilt, Panels
 from dray.gateway.http.language import language_of, remember_language, switches
-from dray.gateway.http.problems import Problem
+from dray.gateway.http.problems import Problem, field_error
 from dray.gateway.http.provided import Now, Provided
 from dray.gateway.http.public_urls import BaseUrl
 from dray.gateway.http.request_bodies import read_form
@@ -145,7 +145,7 @@ async def call(
         if isinstance(error, Problem) and error.kind == AT_WORK:
             return _back(token)  # The same tap twice, handled by another gateway.
         note.result = "refused"
-        reason = error.detail if isinstance(error, Problem) else error.errors()[0]["msg"]
+        reason = _reason(error, language_of(request))
         return await _shown(store, projection, panels, transports, request, caller, now_s, form, reason)
     note.target = kept.order_id
     return _back(token)
@@ -184,6 +184,15 @@ def _wanted(form: Mapping[str, str], station: str) -> dict[str, object]:
         return {"thing": form["thing"], "ability": ability, other: place, end: station}
     written = (form.get("away") if end == "from" else None) or form.get("quantity", "")
     return {"item": form.get("item", ""), "quantity": _pieces(written), end: station}
+
+
+def _reason(error: Problem | ValidationError, language: str) -> str:
+    """The first reason why nothing was called, in the reader's language as far as there are words for it."""
+    words = REFUSALS.get(language, {})
+    if isinstance(error, Problem) and not error.errors:
+        return words.get(error.kind, error.detail)
+    first = error.errors[0] if isinstance(error, Problem) else field_error(error.errors()[0])
+    return words[first.code].format(**first.values) if first.code in words else first.reason
 
 
 def _pieces(written: str) -> int:

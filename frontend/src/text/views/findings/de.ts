@@ -189,6 +189,7 @@ export const findings: Catalogue<typeof en> = {
   "finding.note_edge_leads_back_its_own": "Kante {edge} führt zu ihrem eigenen Knoten zurück: weggelassen",
   "finding.note_edge_second_from_first_taken": "Kante {edge} ist eine zweite von {start} nach {end}: die erste gilt{also}",
   "finding.note_moved_by_so_floor_begins": "um {x_m} m, {y_m} m verschoben, damit die Fläche bei 0, 0 beginnt",
+  "finding.note_lif_version_none_read_as": "lifVersion {version} ist keine von {known}: gelesen, soweit sie gleich ist",
   "finding.note_does_not_say_its_lifversion": "die Datei nennt ihre lifVersion nicht",
   "finding.note_not_understood_kept_mapping": "`{key}` wird nicht verstanden: bleibt in der Zuordnung erhalten",
   "finding.note_node_stands_several_other_layouts": "Knoten {name} steht in mehreren anderen Layouts: das erste gilt",

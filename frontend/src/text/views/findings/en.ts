@@ -186,6 +186,7 @@ export const findings = {
   "finding.note_edge_leads_back_its_own": "edge {edge} leads back to its own node: it is left out",
   "finding.note_edge_second_from_first_taken": "edge {edge} is a second one from {start} to {end}: the first one is taken{also}",
   "finding.note_moved_by_so_floor_begins": "moved by {x_m} m, {y_m} m, so that the floor begins at 0, 0",
+  "finding.note_lif_version_none_read_as": "lifVersion {version} is none of {known}: read as far as it is alike",
   "finding.note_does_not_say_its_lifversion": "it does not say its lifVersion",
   "finding.note_not_understood_kept_mapping": "`{key}` is not understood: it is kept in the mapping",
   "finding.note_node_stands_several_other_layouts": "node {name} stands in several other layouts: the first one is taken",

@@ -189,6 +189,7 @@ export const findings: Catalogue<typeof en> = {
   "finding.note_edge_leads_back_its_own": "la arista {edge} vuelve a su propio nodo: se deja fuera",
   "finding.note_edge_second_from_first_taken": "la arista {edge} es una segunda de {start} a {end}: se toma la primera{also}",
   "finding.note_moved_by_so_floor_begins": "movido {x_m} m, {y_m} m para que la superficie empiece en 0, 0",
+  "finding.note_lif_version_none_read_as": "lifVersion {version} no es ninguna de {known}: se lee lo que coincide",
   "finding.note_does_not_say_its_lifversion": "el archivo no dice su lifVersion",
   "finding.note_not_understood_kept_mapping": "no se entiende `{key}`: se conserva en la correspondencia",
   "finding.note_node_stands_several_other_layouts": "el nodo {name} está en varios planos más: se toma el primero",

@@ -22,7 +22,7 @@ router = APIRouter(tags=["closures"])
 
 Area = Annotated[str, Path(max_length=128)]
 
-EXAMPLE = PauseAnswer("area1", ("c1f0a93be",), (Word("ATV3", True), Word("ATV5", True)))
+EXAMPLE = PauseAnswer("AREA1", ("c1f0a93be",), (Word("ATV3", True), Word("ATV5", True)))
 
 
 class PauseRequest(BaseModel):

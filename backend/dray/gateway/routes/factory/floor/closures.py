@@ -35,12 +35,15 @@ Name = Annotated[str, Field(min_length=1, max_length=128)]
 EXAMPLE = ClosureView(
     id="c1f0a93be",
     kind="closed",
-    lane=LaneView(start="c3", end="m5-lane"),
+    lane=LaneView(start="c3.to-m5-lane", end="m5-lane.from-c3"),
     until_at_s=1_893_463_200.0,
     reason="oil on the floor",
     by="Early shift",
     at_s=1_893_456_000.0,
-    lanes=(LaneView(start="c3", end="m5-lane"), LaneView(start="m5-lane", end="c3")),
+    lanes=(
+        LaneView(start="c3.to-m5-lane", end="m5-lane.from-c3"),
+        LaneView(start="m5-lane.to-c3", end="c3.from-m5-lane"),
+    ),
 )
 
 
@@ -74,8 +77,7 @@ class ClosureRequest(BaseModel):
             "examples": [
                 {
                     "kind": "closed",
-                    "lane": {"start": "c3", "end": "m5-lane"},
-                    "until": "2030-01-01T02:00:00Z",
+                    "lane": {"start": "c3.to-m5-lane", "end": "m5-lane.from-c3"},
                     "reason": "oil on the floor",
                 },
                 {
@@ -87,7 +89,7 @@ class ClosureRequest(BaseModel):
                     ],
                     "reason": "a shelf has fallen over",
                 },
-                {"kind": "slow", "area": "area1", "speed_mps": 0.5, "reason": "visitors"},
+                {"kind": "slow", "area": "AREA1", "speed_mps": 0.5, "reason": "visitors"},
             ]
         },
     )

@@ -22,9 +22,9 @@ from dray.messages import ObstacleCleared
 router = APIRouter(tags=["factory"])
 
 EXAMPLE = ObstacleView(
-    id="c3>m5-lane",
-    start="c3",
-    end="m5-lane",
+    id="c3.to-m5-lane>m5-lane.from-c3",
+    start="c3.to-m5-lane",
+    end="m5-lane.from-c3",
     by="ATV5",
     at_s=1_893_455_875.0,
     until_at_s=1_893_455_935.0,
@@ -37,7 +37,7 @@ class ClearedRequest(BaseModel):
     """A lane that is free again, by the nodes at its ends; both directions are meant."""
 
     model_config = ConfigDict(
-        extra="forbid", json_schema_extra={"examples": [{"start": "c3", "end": "m5-lane"}]}
+        extra="forbid", json_schema_extra={"examples": [{"start": "c3.to-m5-lane", "end": "m5-lane.from-c3"}]}
     )
 
     start: Node
