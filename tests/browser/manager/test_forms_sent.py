@@ -87,8 +87,9 @@ def test_a_sheet_stays_with_what_is_written_while_a_lane_is_closed(forms: Any, o
     page.get_by_role("button", name="Close lanes…").click()
     sheet = page.locator(".pop-sheet:popover-open")
     sheet.get_by_label("How").select_option("slow")
-    reason, act = sheet.get_by_label("Reason"), sheet.get_by_role("button", name="Close", exact=True)
+    reason, act = sheet.get_by_label("Reason"), sheet.locator("button[type=submit]")
     closed = page.locator(".card.closures").get_by_role("listitem")
+    expect(act).to_have_text("Slow lanes down")
     reason.fill("oil")
     with held(page, "**/api/closures") as let_go:
         act.click()

@@ -7,15 +7,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from looks import LOCALES
 from manager_kit import GoingWall, as_manager
 from open_house import OpenHouse, open_house
 from playwright.sync_api import Page, expect
 
 from dray.gateway.live.views import ScenarioCheckView, ScenarioView, StepView
+from dray.messages import MachineStatus
 from dray.scenario_steps import ScenarioStep
 
 from fake_player import FakePlayer  # isort: skip - as below
 from gateway_kit import House  # isort: skip - its folder is on the path since `open_house` is
+from heartbeats import machine_heartbeat  # isort: skip
+from wall_clock import NOW_S  # isort: skip
 
 OpenPage = Callable[..., Page]
 Screenshot = Callable[..., Path]
@@ -103,6 +107,52 @@ def test_a_manager_sees_when_the_next_step_comes_and_skips_to_it(
         house.do(come)
         expect(card.get_by_role("status")).to_have_text("Held, after 10:01 min")
         expect(card.get_by_role("button", name="Skip to the next step")).to_have_count(0)
+
+
+COVERED = """() => [...document.querySelectorAll(".left :is(a, button)")].filter(each => {
+  if (!each.checkVisibility()) return false;
+  const {bottom, left, top, width} = each.getBoundingClientRect();
+  const clips = [each.closest(".card-body"), each.closest(".inbox-list"), each.closest(".giving"), document.documentElement];
+  const inSight = y => clips.every(clip => {
+    if (clip === null) return true;
+    const around = clip.getBoundingClientRect();
+    return y > around.top && y < around.bottom;
+  });
+  return [top + 2, (top + bottom) / 2, bottom - 2].some(y => inSight(y) && !each.contains(document.elementFromPoint(left + width / 2, y)));
+}).map(each => each.textContent)"""
+"""What can be touched, is not scrolled out of sight, and lies below something else."""
+
+SIDEWAYS = "list => [...list.querySelectorAll('p, small')].filter(each => each.scrollWidth > each.clientWidth).length"
+
+
+@pytest.mark.parametrize("language", LOCALES)
+def test_on_a_small_laptop_an_alarm_covers_nothing_beside_a_scenario(
+    house: OpenHouse, open_page: OpenPage, screenshot: Screenshot, language: str
+) -> None:
+    async def fail(inside: House) -> None:
+        at_s = inside.wall() - NOW_S
+        beat = machine_heartbeat("M8", 1, at_s=at_s, status=MachineStatus.ERROR, problem="spindle")
+        inside.bus.say(beat)
+
+    put(house)
+    page = as_manager(house, open_page, viewport={"width": 1280, "height": 800}, locale=LOCALES[language])
+    expect(page.locator(".scenario")).to_be_visible()
+    house.do(fail)
+    inbox = page.locator(".inbox")
+    expect(inbox.get_by_role("button").last).to_be_in_viewport(ratio=1)
+    orders = page.locator(".orders a").first
+    giving = page.locator(".giving")
+    for height_px in (800, 768, 720):
+        page.set_viewport_size({"width": 1280, "height": height_px})
+        giving.evaluate("each => each.scrollTo(0, 0)")
+        assert page.evaluate(COVERED) == [], height_px
+        giving.evaluate("each => each.scrollTo(0, each.scrollHeight)")
+        assert page.evaluate(COVERED) == [], height_px
+        orders.scroll_into_view_if_needed()
+        expect(orders).to_be_in_viewport(ratio=1)
+        assert page.evaluate(COVERED) == [], height_px
+        assert inbox.evaluate(SIDEWAYS) == 0, height_px
+    screenshot(page, f"scenario-alarm-{language}")
 
 
 @pytest.mark.slow

@@ -64,9 +64,9 @@ function Line({ alert }: { alert: AlertView }) {
         <span class="unseen">{t(`alerts.kind.${alert.level}`)}: </span>
         <SubjectLink alert={alert} />{" "}
         {what}
-        <small class="line muted">{asksText(alert)}</small>
       </p>
       <TakeButton alert={alert} what={what} />
+      <small class="inbox-asks muted">{asksText(alert)}</small>
     </li>
   );
 }

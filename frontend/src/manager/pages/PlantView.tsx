@@ -30,14 +30,14 @@ export function PlantView() {
     <main class="plant-view" id="content" tabIndex={-1}>
       <h1 class="unseen">{t("nav.plant")}</h1>
       <div class="column left">
-        {/* What comes is at the end, and an alert in sight above the form: no button changes its place. */}
+        {/* What comes is at the end, and an alert in sight above the form, beside what scrolls: no button changes its place, and none is covered. */}
         <div class="giving">
           <FactoryCard />
           <ScenarioCard />
           <OrdersCard />
           {isFloorKept.value && <Later load={async () => (await import("../cards/closures/FloorCards")).load()} />}
-          <AlertsCard />
         </div>
+        <AlertsCard />
         <PublishCard />
       </div>
       <div class="column middle">

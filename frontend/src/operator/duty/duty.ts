@@ -9,6 +9,7 @@ import { Problem } from "../../api/problem";
 import type { CallAnswerRequest, CallView, DutyRequest, DutyView } from "../../api/types";
 import { problemText } from "../problem-text";
 import { ended, me } from "../session/session";
+import { vibrate } from "./vibrate";
 
 export type DutyState = DutyView["state"];
 
@@ -136,8 +137,7 @@ async function tell(what: () => Promise<DutyView>, act?: Signal<string>): Promis
     shown = mine;
     duty.value = view;
     if (askingCaller.value !== "") {
-      // A browser refuses it, and complains, until somebody has touched the page.
-      if (!isAsked(before) && "vibrate" in navigator && navigator.userActivation.hasBeenActive) navigator.vibrate([200, 100, 200]);
+      if (!isAsked(before)) vibrate();
       // Each time that is asked for again, until there is an answer.
       playSound();
     }

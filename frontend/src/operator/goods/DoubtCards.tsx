@@ -28,7 +28,6 @@ function DoubtCard({ doubt }: { doubt: Doubt }) {
     <LoadCard
       id={`doubt-${load}`}
       title={t("doubt.title", { item: names.value(item), place: placeOf(place) })}
-      tag={place}
       what={doubtText(doubt)}
       look={t("doubt.count", pieces)}
       asker={place}

@@ -7,7 +7,8 @@ import { ended } from "../session/session";
 interface Props {
   id: string;
   title: string;
-  tag: string;
+  /** A word that the title does not say. */
+  tag?: string;
   /** What somebody looks for, and what is to be done about it. */
   what: string;
   look: string;
@@ -24,7 +25,7 @@ export function LoadCard({ asker, children, id, look, tag, title, what }: Props)
       <div class="vehicle-body">
         <header>
           <h2>{title}</h2>
-          <Tag tone="warn">{tag}</Tag>
+          {tag !== undefined && <Tag tone="warn">{tag}</Tag>}
         </header>
         <div class="vehicle-now">
           <p class="help-what">{what}</p>

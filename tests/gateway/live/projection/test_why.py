@@ -198,7 +198,7 @@ def test_the_only_bidder_is_called_so_and_refusals_are_counted_by_reason(tell: T
         ("battery", ("ATV6",)),
     ]
     assert why.text == (
-        "ATV2 was chosen because nobody else bid (54.8 s). 4 refused: 3 busy, 1 with too little battery."
+        "ATV2 was chosen because nobody else bid (54.8 s). 4 refused: busy (3), with too little battery (1)."
     )
 
 
@@ -218,7 +218,7 @@ def test_those_that_take_no_work_are_counted_by_what_keeps_them_from_it(tell: Te
         ("not_fit", ("ATV6",), "out of service"),
     ]
     assert tell.why().text == (
-        "Nobody has bid yet. 6 refused: 2 in the reserve, 2 on probation, and this is not short, 1 busy, 1 out of service."
+        "Nobody has bid yet. 6 refused: in the reserve (2), on probation, and this is not short (2), busy (1), out of service (1)."
     )
 
 
@@ -357,7 +357,7 @@ def test_before_the_first_bid_the_refusals_are_counted(tell: Teller) -> None:
     tell(refused(Refusal.BUSY), by="ATV1")
     tell(refused(Refusal.BUSY), by="ATV6")
     assert tell.why().text == (
-        "Nobody has bid yet. 2 refused: all of them busy. This is round 2, which asks within 50 m."
+        "Nobody has bid yet. 2 refused for the same reason: busy. This is round 2, which asks within 50 m."
     )
 
 

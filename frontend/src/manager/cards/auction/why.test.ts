@@ -29,16 +29,23 @@ describe("the sentence says what the gateway found", () => {
   test("about the only one, with the refusals by reason", () => {
     const refused = [{ reason: "busy", agents: ["ATV1", "ATV4"], detail: "" }, { reason: "battery", agents: ["ATV6"], detail: "" }];
     expect(text({ kind: "only", agent: "ATV2", total_s: 54.8, bidders: 1, refused })).toBe(
-      "ATV2 was chosen because nobody else bid (54.8 s). 3 refused: 2 busy, 1 with too little battery.",
+      "ATV2 was chosen because nobody else bid (54.8 s). 3 refused: busy (2), with too little battery (1).",
     );
   });
 
   test("about those that take no work, each by what keeps it from that", () => {
     const reserve = "in the reserve: the floor has no room for more at work";
     const refused = [{ reason: "not_fit", agents: ["ATV1", "ATV4"], detail: reserve }, { reason: "not_fit", agents: ["ATV6"], detail: "out of service" }];
-    expect(text({ refused })).toBe("Nobody has bid yet. 3 refused: 2 in the reserve, 1 taken out of service.");
-    expect(text({ refused: refused.slice(0, 1) })).toBe("Nobody has bid yet. 2 refused: all of them in the reserve.");
+    expect(text({ refused })).toBe("Nobody has bid yet. 3 refused: in the reserve (2), taken out of service (1).");
+    expect(text({ refused: refused.slice(0, 1) })).toBe("Nobody has bid yet. 2 refused for the same reason: in the reserve.");
     expect(text({ refused: refused.slice(1) })).toBe("Nobody has bid yet. ATV6 refused: taken out of service.");
+  });
+
+  test("also where the reason is a sentence of its own", () => {
+    const detail = "the place where it stands is not its own yet";
+    const refused = [{ reason: "not_fit", agents: ["ATV1", "ATV4"], detail }, { reason: "not_fit", agents: ["ATV6"], detail: "a load is on board" }];
+    expect(text({ refused: refused.slice(0, 1) })).toBe(`Nobody has bid yet. 2 refused for the same reason: ${detail}.`);
+    expect(text({ refused })).toBe(`Nobody has bid yet. 3 refused: ${detail} (2), a load is still on board (1).`);
   });
 
   test("about a takeover, and whether it is confirmed", () => {

@@ -120,7 +120,7 @@ export function CloseMenu() {
               {t("closures.keep")}
             </button>
             <button type="submit" class="button primary" disabled={busy.value || requestOf(wanted(), shapeOf(outline.value.corners)) === null}>
-              {t(warned.value.length > 0 ? "closures.doAllTheSame" : "closures.do")}
+              {t(`${warned.value.length > 0 ? "closures.doAllTheSame" : "closures.do"}.${kind === "one_way_back" ? "one_way" : kind}`)}
             </button>
           </div>
         </form>

@@ -45,7 +45,7 @@ export function Feasible() {
     <>
       <p>{makers.length === 0 ? t("publish.nobody") : t("publish.machines", { machines: named(makers.map(({ id }) => id)), cycle })}</p>
       <ul>
-        {needsOf(file, product, quantityOf(draft.value) ?? 0).map(({ name, pieces, lots }) => (
+        {needsOf(file, product, quantityOf(draft.value)).map(({ name, pieces, lots }) => (
           <li key={name}>
             <b>{format.count(pieces)}</b> {name} <span class="faint">{n("publish.lots", lots, format.count(lots))}</span>
           </li>

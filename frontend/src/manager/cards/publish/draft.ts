@@ -79,7 +79,9 @@ export interface Need {
   readonly lots: number;
 }
 
-export function needsOf(plant: PlantFile, product: string, quantity: number): Need[] {
+/** What has to be brought for it; nothing for an impossible quantity. */
+export function needsOf(plant: PlantFile, product: string, quantity: number | null): Need[] {
+  if (quantity === null) return [];
   const bill = plant.products.find((each) => each.id === product)?.bill ?? [];
   return bill.flatMap((line) => {
     const material = plant.materials.find((each) => each.id === line.material);

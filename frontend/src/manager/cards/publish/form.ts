@@ -9,7 +9,7 @@ import { format, t } from "../../../text/manager";
 import { HERE } from "../../parts/Linked";
 import { problemText } from "../../problem-text";
 import { plant } from "../../state";
-import { checkDraft, chosenOf, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf } from "./draft";
+import { checkDraft, chosenOf, type Complaint, type Draft, type Field, fieldOf, MOST_PIECES, orderOf, quantityOf } from "./draft";
 
 const written = signal<Draft>({ product: "", quantity: "40", customer: "", reference: "", due: "", priority: "normal" });
 
@@ -23,7 +23,13 @@ export const draft = computed<Draft>(() => ({
   ...written.value,
   product: chosenOf(written.value.product, plant.value?.products ?? []),
 }));
-export const complaints = signal<Partial<Record<Field, string>>>({});
+/** What was found wrong when it was sent, until that field is changed. */
+const found = signal<Partial<Record<Field, string>>>({});
+/** An impossible quantity is told at once: nothing can be foreseen for it. */
+export const complaints = computed<Partial<Record<Field, string>>>(() => {
+  const isImpossible = written.value.quantity.trim() !== "" && quantityOf(written.value) === null;
+  return isImpossible ? { ...found.value, ...inWords({ quantity: "needQuantity" }) } : found.value;
+});
 export const sending = signal(false);
 /** Where `HERE` stands in `text`, there is a link to `order`. */
 export const outcome = signal<{ good: boolean; text: string; order?: string; hints?: readonly string[] } | null>(null);
@@ -34,15 +40,15 @@ let keyFor = "";
 
 export function edit(field: Field, value: string): void {
   written.value = { ...written.value, [field]: value };
-  complaints.value = { ...complaints.value, [field]: undefined };
+  found.value = { ...found.value, [field]: undefined };
   outcome.value = null;
 }
 
 export async function send(release: boolean): Promise<void> {
   if (sending.value) return;
   outcome.value = null;
-  complaints.value = inWords(checkDraft(draft.value, nowS.value));
-  const firstWrong = Object.keys(complaints.value)[0];
+  found.value = inWords(checkDraft(draft.value, nowS.value));
+  const firstWrong = Object.keys(found.value)[0];
   if (firstWrong !== undefined) {
     document.getElementById(`publish-${firstWrong}`)?.focus();
     return;
@@ -79,18 +85,18 @@ function complain(error: unknown): void {
     if (field) atFields[field] = each.reason;
     else elsewhere.push(`${each.field}: ${each.reason}`);
   }
-  complaints.value = atFields;
+  found.value = atFields;
   if (Object.keys(atFields).length > 0 && elsewhere.length === 0) return;
   const reason = elsewhere.join("; ") || problemText(error);
   outcome.value = { good: false, text: t("publish.failed", { reason }) };
 }
 
-function inWords(found: Partial<Record<Field, Complaint>>): Partial<Record<Field, string>> {
+function inWords(wrong: Partial<Record<Field, Complaint>>): Partial<Record<Field, string>> {
   const words: Record<Complaint, string> = {
     needProduct: t("publish.needProduct"),
     needQuantity: t("publish.needQuantity", { most: format.count(MOST_PIECES) }),
     needCustomer: t("publish.needCustomer"),
     needFuture: t("publish.needFuture"),
   };
-  return Object.fromEntries(Object.entries(found).map(([field, complaint]) => [field, words[complaint]]));
+  return Object.fromEntries(Object.entries(wrong).map(([field, complaint]) => [field, words[complaint]]));
 }

@@ -66,7 +66,7 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
           if (change !== null && change !== "wrong") void save(change);
         }}
       >
-        <div class="field order-change-due">
+        <div class="field order-change-wide">
           <label for={`${id}-due`}>{t("publish.due")}</label>
           <input id={`${id}-due`} type="datetime-local" value={due} onInput={(event) => { edit({ due: event.currentTarget.value }); }} />
         </div>
@@ -89,7 +89,7 @@ export function ChangeCard({ kept, onChanged }: { kept: OrderAnswer; onChanged: 
             />
           </div>
         ))}
-        <div class="field">
+        <div class="field order-change-wide">
           <label for={`${id}-reference`}>{t("publish.reference")}</label>
           <input id={`${id}-reference`} autoComplete="off" maxLength={80} value={reference} onInput={(event) => { edit({ reference: event.currentTarget.value }); }} />
         </div>

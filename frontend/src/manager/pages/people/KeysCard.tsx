@@ -7,6 +7,7 @@ import { RefusedSince } from "../../parts/RefusedSince";
 import { Sure } from "../../parts/Sure";
 import { useRefreshed } from "../../refreshed";
 import { KEY, KeySheet } from "./KeySheet";
+import { names, placeOf } from "../../state";
 import { asked, beginKey, busy, calls, keyOpenings, stays, takeBack } from "./state";
 
 const EVERY_MS = 10_000;
@@ -28,7 +29,7 @@ export function KeysCard() {
         </button>
       }
     >
-      <p class="muted">{t("people.keysHint")}</p>
+      <p class="table-hint">{t("people.keysHint")}</p>
       {keys.length === 0 ? (
         <p class="empty">{none}</p>
       ) : (
@@ -106,8 +107,8 @@ function Row({ of, onChanged }: { of: Key; onChanged: () => void }) {
 function limitsOf({ items, open_each_max: openEach, open_max: open, places, priority, scopes }: Key): string[] {
   if (!calls(scopes)) return [];
   return [
-    places.length === 0 ? t("people.everywhere") : format.list(places),
-    ...(items.length === 0 ? [] : [format.list(items)]),
+    places.length === 0 ? t("people.everywhere") : format.list(places.map(placeOf)),
+    ...(items.length === 0 ? [] : [format.list(items.map(names.value))]),
     t("people.limitsOpen", { each: openEach, most: open }),
     t("people.limitsPriority", { priority: word("priority", priority) }),
   ];

@@ -125,8 +125,8 @@ export const auction: Catalogue<typeof english> = {
   "why.leading": "{agent} führt mit dem günstigsten von bisher {count} Geboten ({total}).",
   "why.refusedOne": "{agent} sagte ab: {reason}.",
   "why.refused": "{count} sagten ab: {reasons}.",
-  "why.refusedAll": "{count} sagten ab: alle {reason}.",
-  "why.refusedBy": "{count} {reason}",
+  "why.refusedAll": "{count} sagten aus demselben Grund ab: {reason}.",
+  "why.refusedBy": "{reason} ({count})",
 
   "refusal.command.not_stopped": "es ist nicht gestoppt",
   "refusal.command.not_acknowledged": "der Fehler ist noch nicht quittiert",

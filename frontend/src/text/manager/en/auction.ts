@@ -122,8 +122,8 @@ export const auction = {
   "why.leading": "{agent} leads with the cheapest of {count} bids so far ({total}).",
   "why.refusedOne": "{agent} refused: {reason}.",
   "why.refused": "{count} refused: {reasons}.",
-  "why.refusedAll": "{count} refused: all of them {reason}.",
-  "why.refusedBy": "{count} {reason}",
+  "why.refusedAll": "{count} refused for the same reason: {reason}.",
+  "why.refusedBy": "{reason} ({count})",
 
   "refusal.command.not_stopped": "it is not stopped",
   "refusal.command.not_acknowledged": "the fault is not acknowledged yet",

@@ -125,8 +125,8 @@ export const auction: Catalogue<typeof english> = {
   "why.leading": "Va primero {agent}, con la más barata de {count} ofertas hasta ahora ({total}).",
   "why.refusedOne": "{agent} rehusó: {reason}.",
   "why.refused": "{count} rehusaron: {reasons}.",
-  "why.refusedAll": "{count} rehusaron: todos {reason}.",
-  "why.refusedBy": "{count} {reason}",
+  "why.refusedAll": "{count} rehusaron por el mismo motivo: {reason}.",
+  "why.refusedBy": "{reason} ({count})",
 
   "refusal.command.not_stopped": "no está parado",
   "refusal.command.not_acknowledged": "el fallo aún no está confirmado",

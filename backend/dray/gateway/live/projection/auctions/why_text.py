@@ -160,8 +160,8 @@ def _refused(refused: Sequence[RefusedView]) -> str:
         (only,) = refused
         return f" {only.agents[0]} refused: {_reason(only)}."
     if len(refused) == 1:
-        return f" {count} refused: all of them {_reason(refused[0])}."
-    reasons = ", ".join(f"{len(each.agents)} {_reason(each)}" for each in refused)
+        return f" {count} refused for the same reason: {_reason(refused[0])}."
+    reasons = ", ".join(f"{_reason(each)} ({len(each.agents)})" for each in refused)
     return f" {count} refused: {reasons}."
 
 
