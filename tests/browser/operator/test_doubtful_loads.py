@@ -38,6 +38,8 @@ def test_whoever_has_counted_says_by_a_long_touch_what_is_there(
     card = page.locator(f"[id='doubt-{DOUBT.load}']")
     for said in (STATION, str(DOUBT.quantity), DOUBT.vehicle):
         expect(card).to_contain_text(said)
+    # Its title says the place, and nothing says it again beside it.
+    expect(card.locator("header .tag")).to_have_count(0)
     screenshot(page, f"doubtful-load-{look}")
     answer(page, card, first=there)
     kind = MachineCommandKind.LOAD_THERE if there else MachineCommandKind.LOAD_MISSING
