@@ -241,6 +241,29 @@ def test_an_option_out_of_range_is_refused(dray, option, value) -> None:
     assert option in done.err
 
 
+NUMBERS = {
+    ("up", "--speed"): "above 0",
+    ("fleet", "up", "--speed"): "from 0.1 to 50",
+    ("fleet", "update", "--python", "python", "--patience"): "of at least 1",
+    ("fleet", "kill", "ATV1", "--away"): "of at least 1",
+    ("sim", "run", "day", "--load"): "from 0.001 to 10",
+    ("sim", "run", "day", "--hours"): "from 0.05 to 2000",
+    ("sim", "plants", "--hours"): "from 0.1 to 1000",
+    ("plant", "check", "workshop", "--load"): "from 0 to 1",
+    ("plant", "new", "--yes", "--cycle"): "from 1 to 36000",
+}
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "1e400", "-1", "", "0,5"])
+@pytest.mark.parametrize("command", NUMBERS, ids=" ".join)
+def test_what_is_no_number_is_refused_with_what_is_allowed(dray, command, text) -> None:
+    done = dray(*command, text)
+    assert done.code == 2
+    said = " ".join(done.err.replace("│", " ").split())
+    assert f"{text!r}: give a number {NUMBERS[command]}" in said
+    assert command[-1] in said
+
+
 def test_a_scenario_that_there_is_not_is_refused_with_those_that_there_are(dray) -> None:
     done = dray("up", "--scenario", "case-7")
     assert done.code == 2

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dray.cli.runtime.options import Strategists, Traffic
+from dray.cli.runtime.options import Strategists, Traffic, number
 
 app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
 
@@ -36,7 +36,14 @@ def up(
         str | None,
         typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else a file in the folder."),
     ] = None,
-    speed: Annotated[float, typer.Option(help="Factory seconds per real second.", min=0.1, max=50.0)] = 1.0,
+    speed: Annotated[
+        float,
+        typer.Option(
+            parser=number(least=0.1, most=50.0),
+            metavar="NUMBER",
+            help="Factory seconds per real second, from 0.1 to 50.",
+        ),
+    ] = 1.0,
     plain: Annotated[
         bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
     ] = False,
@@ -118,7 +125,12 @@ def update(
         int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")
     ] = 3,
     patience: Annotated[
-        float, typer.Option(min=1.0, help="Factory seconds in which there should be work for that.")
+        float,
+        typer.Option(
+            parser=number(least=1.0),
+            metavar="SECONDS",
+            help="Factory seconds, at least 1, in which there should be work for that.",
+        ),
     ] = 1800.0,
     folder: Folder = DEFAULT_FOLDER,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
@@ -184,7 +196,9 @@ def kill(
     away: Annotated[
         float | None,
         typer.Option(
-            min=1.0, help="Seconds until it is started again; else it is at once.", metavar="SECONDS"
+            parser=number(least=1.0),
+            help="Seconds until it is started again, at least 1; without it, it is started again at once.",
+            metavar="SECONDS",
         ),
     ] = None,
     folder: Folder = DEFAULT_FOLDER,

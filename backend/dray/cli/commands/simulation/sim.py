@@ -10,7 +10,7 @@ import typer
 from dray.cli.commands.simulation.explore import explore
 from dray.cli.commands.simulation.plants import plants
 from dray.cli.commands.simulation.vehicles import vehicles
-from dray.cli.runtime.options import Traffic
+from dray.cli.runtime.options import Traffic, number
 
 if TYPE_CHECKING:
     from dray_sim.scenarios.document import Section
@@ -47,9 +47,20 @@ def run(
     ] = None,
     load: Annotated[
         float | None,
-        typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
+        typer.Option(
+            parser=number(least=0.001, most=10.0),
+            metavar="FRACTION",
+            help="Part of the machines' time that the orders take, from 0.001 to 10; 0.7 is 70 %. Else the scenario's own.",
+        ),
     ] = None,
-    hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
+    hours: Annotated[
+        float | None,
+        typer.Option(
+            parser=number(least=0.05, most=2_000.0),
+            metavar="HOURS",
+            help="Factory hours in which orders are placed, from 0.05 to 2000. Else the scenario's own.",
+        ),
+    ] = None,
     strategists: Annotated[
         int | None, typer.Option(help="How many share the orders; one by default.", min=1, max=9)
     ] = None,
