@@ -10,10 +10,13 @@ import sys
 from contextlib import closing
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
 from dray import __version__
+from dray.cli import app
 from dray.messages import WIRE_VERSION
 from dray_sim import scenarios
 from dray_sim.run.evidence import Check, Evidence
@@ -307,3 +310,26 @@ def test_up_refuses_a_broken_plant_file(dray, tmp_path) -> None:
     done = dray("up", "--plant", "broken.yaml", "--port", "0")
     assert done.code == 2
     assert "broken.yaml" in done.err
+
+
+def parameters() -> list[tuple[str, str]]:
+    """Every option and argument of every command, with its help."""
+    found: list[tuple[str, str]] = []
+
+    def walk(command: Any, path: str) -> None:
+        own = (each for each in command.params if each.name != "help")
+        found.extend((f"{path} {each.opts[0]}", getattr(each, "help", None) or "") for each in own)
+        for name, inner in getattr(command, "commands", {}).items():
+            walk(inner, f"{path} {name}")
+
+    walk(typer.main.get_command(app), "dray")
+    return found
+
+
+def test_every_option_and_argument_says_what_it_is() -> None:
+    told = parameters()
+    assert len(told) > 200
+    assert [name for name, text in told if not text.endswith(".")] == [], "no text, or no sentence"
+    # A text that begins in the middle names no thing: of what, which, how many of what?
+    halves = ("Of ", "Likewise", "Its URL", "How long", "How many", "Where to", "Which ones")
+    assert [name for name, text in told if text.startswith(halves)] == []

@@ -30,7 +30,7 @@ def up(
     ] = None,
     folder: Folder = DEFAULT_FOLDER,
     port: Annotated[
-        int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
+        int | None, typer.Option(min=0, max=65_535, help="Port of the gateway; else DRAY_PORT, else 8000.")
     ] = None,
     db: Annotated[
         str | None,
@@ -45,12 +45,14 @@ def up(
         ),
     ] = 1.0,
     plain: Annotated[
-        bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
+        bool, typer.Option("--plain", help="No certificates: links can be read, and messages forged.")
     ] = False,
     demand: Annotated[bool, typer.Option("--demand/--no-demand", help="Place orders.")] = True,
     metrics: Annotated[
         bool,
-        typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
+        typer.Option(
+            "--metrics", help="Each process serves its metrics for Prometheus; metrics.json says where."
+        ),
     ] = False,
     opcua: Annotated[
         bool,
@@ -116,10 +118,13 @@ def up(
 def update(
     python: Annotated[
         Path,
-        typer.Option("--python", help="Of the environment of the other version, as /opt/dray-2/bin/python."),
+        typer.Option(
+            "--python", help="The Python of the other version's environment, as /opt/dray-2/bin/python."
+        ),
     ],
     only: Annotated[
-        list[str] | None, typer.Option("--only", help="This process; may be given several times.")
+        list[str] | None,
+        typer.Option("--only", help="Replace this process alone, as ATV3; may be repeated. Else all."),
     ] = None,
     canary_tasks: Annotated[
         int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")
@@ -192,7 +197,7 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
 
 @app.command()
 def kill(
-    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")],
+    name: Annotated[str, typer.Argument(help="The process, as ATV3.")],
     away: Annotated[
         float | None,
         typer.Option(

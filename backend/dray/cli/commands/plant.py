@@ -78,7 +78,8 @@ def as_json(
     places: Annotated[
         bool,
         typer.Option(
-            "--places", help="Instead: its places for right of way, and who keeps their reservation tables."
+            "--places",
+            help="Write its places for right of way instead, and who keeps their reservation tables.",
         ),
     ] = False,
 ) -> None:

@@ -36,9 +36,12 @@ def import_layout(
         ),
     ] = None,
     layout: Annotated[
-        list[str] | None, typer.Option(help="Of a LIF file with several: the id of a layout; repeat it.")
+        list[str] | None,
+        typer.Option(help="Id of a layout, where a LIF file has several; may be repeated. Else all."),
     ] = None,
-    unit: Annotated[str, typer.Option(help="Of a LIF file: m, cm or mm; else it is found out.")] = "",
+    unit: Annotated[
+        str, typer.Option(help="Unit of lengths in a LIF file: m, cm or mm; else it is found out.")
+    ] = "",
     force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
 ) -> None:
     """Convert a layout of another system into a plant file, and list what the layout lacks.
@@ -98,8 +101,10 @@ def import_layout(
 
 def export_layout(
     file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
-    lif: Annotated[bool, typer.Option("--lif", help="As LIF of VDMA.")] = False,
-    lif_version: Annotated[str, typer.Option(help="Of LIF: 1.0.0 or 2.0.0.")] = "1.0.0",
+    lif: Annotated[
+        bool, typer.Option("--lif", help="Write LIF of VDMA. It is the only format, and must be given.")
+    ] = False,
+    lif_version: Annotated[str, typer.Option(help="Version of LIF: 1.0.0 or 2.0.0.")] = "1.0.0",
     out: Annotated[Path | None, typer.Option("-o", "--out", help="The file; else standard output.")] = None,
 ) -> None:
     """Write a plant for other systems: its lanes as they are driven, and its stations."""

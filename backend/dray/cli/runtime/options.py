@@ -40,7 +40,10 @@ PanelUrl = Annotated[
 Strategists = Annotated[
     int | None,
     typer.Option(
-        "--strategists", min=1, max=9, help="How many share the orders; else DRAY_STRATEGISTS, else 1."
+        "--strategists",
+        min=1,
+        max=9,
+        help="Number of strategists, which share the orders; else DRAY_STRATEGISTS, else 1.",
     ),
 ]
 

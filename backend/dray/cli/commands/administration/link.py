@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Links to the pages of orders and plain transports.")
 
 Database = Annotated[
-    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+    str | None,
+    typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
 ]
 
 DAY_S = 86_400.0
@@ -45,7 +46,7 @@ def create(
         typer.Option(
             min=1,
             max=LONGEST_DAYS,
-            help="How long it leads there; else until a quarter after the order's or transport's end.",
+            help="Days for which it works; else until 90 days after the end of the order or transport.",
         ),
     ] = None,
     url: Annotated[

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 def plants(
-    count: Annotated[int, typer.Option(help="How many, one for each seed from --first on.", min=1)] = 40,
+    count: Annotated[
+        int, typer.Option(help="Number of plants, one for each seed from --first on.", min=1)
+    ] = 40,
     first: Annotated[int, typer.Option(help="The first seed.", min=0)] = 0,
     seed: Annotated[
         int | None, typer.Option(help="Replay this one alone, with all its figures.", min=0)

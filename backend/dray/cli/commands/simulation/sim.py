@@ -40,7 +40,7 @@ def list_scenarios() -> None:
 @app.command()
 def run(
     name: Annotated[str, typer.Argument(help="A scenario, as `dray sim list` names it.")],
-    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of everything that is left to chance.")] = 1,
     plant: Annotated[
         Path | None,
         typer.Option(help="A plant file, or the name of a shipped plant, instead of the scenario's own."),
@@ -62,7 +62,7 @@ def run(
         ),
     ] = None,
     strategists: Annotated[
-        int | None, typer.Option(help="How many share the orders; one by default.", min=1, max=9)
+        int | None, typer.Option(help="Number of strategists, which share the orders; else 1.", min=1, max=9)
     ] = None,
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
@@ -100,8 +100,8 @@ def run(
 @app.command()
 def report(
     out: Annotated[Path, typer.Option(help="The Markdown file to write.")] = Path("docs/scenarios.md"),
-    seed: Annotated[int, typer.Option(help="Of all scenarios.")] = 1,
-    jobs: Annotated[int, typer.Option(help="How many run at once.", min=1)] = 2,
+    seed: Annotated[int, typer.Option(help="Seed of all scenarios.")] = 1,
+    jobs: Annotated[int, typer.Option(help="Number of scenarios that run at once.", min=1)] = 2,
     traffic: Traffic = None,
 ) -> None:
     """Play all scenarios and write their reports into one document. Takes some minutes.

@@ -46,7 +46,7 @@ def up(
             parser=number(above=True), metavar="NUMBER", help="Factory seconds per real second, above 0."
         ),
     ] = 1.0,
-    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of everything that is left to chance.")] = 1,
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
