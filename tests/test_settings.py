@@ -102,3 +102,71 @@ def test_a_line_of_a_settings_file_that_says_nothing_is_refused_by_its_number(tm
         Settings.load(file)
     file.write_text(file.read_text(encoding="utf-8").replace(": json", "=json"), encoding="utf-8")
     assert Settings.load(file).port == 8001
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "said"),
+    [
+        ("TRUSTED_PROXIES", "zzz", "'zzz': write an address or a network, as 10.8.0.1 or 10.8.0.0/16"),
+        ("TRUSTED_PROXIES", "10.0.0.1, proxy", "'proxy': write an address or a network"),
+        ("BUS_RADIO", "10.8.0.1/16", "'10.8.0.1/16': write an address or a network"),
+        ("PLANT_EPOCH_S", "inf", "'inf': write a number of at least 0"),
+        ("PLANT_SPEED", "nan", "'nan': write a number above 0 and of at most 50"),
+        ("STOP_PORT", "65536", "'65536': write a whole number of at least 0 and of at most 65535"),
+        ("EVENTS_MOST", "20_0O0", "'20_0O0': write a whole number of at least 1000"),
+        ("BUS_PLAIN", "maybe", "'maybe': write true or false"),
+        ("LOG_LEVEL", "loud", "'loud': write 'debug', 'info', 'warning' or 'error'"),
+        ("HOST", "http://dray", "'http://dray': write a name or an address alone"),
+        ("ALLOWED_HOSTS", "a.b, dray.example.com:8443", "'dray.example.com:8443': write a name alone"),
+        ("ALLOWED_HOSTS", "*.example.com", "'*.example.com': write a name alone"),
+        ("PUBLIC_URL", "https://dray:80000", "'https://dray:80000': write it as https://dray.example.com"),
+        ("TRACE_URL", "http:///v1", "'http:///v1': write it as http://127.0.0.1:4318/v1/traces"),
+        ("BROKER", "mqtt://plant:70000", "'mqtt://plant:70000': write it as mqtt://HOST:1883"),
+    ],
+)
+def test_a_variable_that_cannot_be_used_is_refused_with_its_value_and_what_is_allowed(
+    variable: str, value: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(f"DRAY_{variable}", value)
+    with pytest.raises(SettingsError) as raised:
+        Settings.load()
+    assert str(raised.value).startswith(f"DRAY_{variable}: {said}")
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        ("DATABASE_URL", "postgresql//dray:hunter2@db/factory"),
+        ("BROKER", "mqtt://dray:hunter2@plant"),
+        ("ADMIN_TOKEN", " "),
+    ],
+)
+def test_a_refused_value_with_a_secret_in_it_is_not_shown(
+    variable: str, value: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(f"DRAY_{variable}", value)
+    with pytest.raises(SettingsError, match=f"^DRAY_{variable}: [a-z]") as raised:
+        Settings.load()
+    assert "hunter2" not in str(raised.value)
+
+
+def test_trusted_proxies_are_addresses_and_networks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DRAY_TRUSTED_PROXIES", "10.8.0.1, fd00::/8")
+    assert [str(each) for each in Settings.load().trusted_proxies] == ["10.8.0.1/32", "fd00::/8"]
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("PROT", "PORT"),
+        ("TRUSTED_PROXY", "TRUSTED_PROXIES"),
+        ("DATABASE", "DATABASE_URL"),
+        ("DB", "DATABASE_URL"),
+        ("PLANT", "PLANT_FILE"),
+    ],
+)
+def test_a_misspelt_variable_is_known_by_what_is_meant(
+    written: str, meant: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(f"DRAY_{written}", "1")
+    assert settings_module.misspelt()[f"DRAY_{written}"] == f"DRAY_{meant}"

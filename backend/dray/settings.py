@@ -11,9 +11,10 @@ import re
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Literal, Self
-from urllib.parse import quote, unquote
+from urllib.parse import quote, unquote, urlsplit
 
 from pydantic import AfterValidator, BeforeValidator, Field, IPvAnyNetwork, SecretStr, ValidationError
+from pydantic_core import ErrorDetails
 from pydantic_settings import NoDecode, SettingsConfigDict
 
 from dray.errors import SettingsError
@@ -25,11 +26,20 @@ PREFIX = "DRAY_"
 SECRETS = Path("/run/secrets")
 """The folder in which containers find secrets: one file each, named as the variable in small letters."""
 
-ALIKE = 0.9
-"""The least similarity (`difflib`) at which two names count as alike: a missing or wrong letter, not another word."""
+ALIKE = 0.86
+"""The least similarity (`difflib`) at which two names count as alike: missing, wrong or exchanged letters, not another word."""
 
 FORMER = {f"{PREFIX}{kind}_KEPT": f"{PREFIX}{kind}_DAYS" for kind in ("EVENTS", "SAMPLES", "AUDIT")}
 """Former variables, and the ones that replaced them."""
+
+BY_OPTION = {f"{PREFIX}DB": f"{PREFIX}DATABASE_URL", f"{PREFIX}PLANT": f"{PREFIX}PLANT_FILE"}
+"""Variables named as command line options, and the settings of these options."""
+
+SHOWN_CHARS = 60
+"""Maximum characters of a refused value in its message."""
+
+_BOUNDS = (("ge", "of at least {}"), ("gt", "above {}"), ("le", "of at most {}"), ("lt", "below {}"))
+"""Attributes of a field's bounds, and each in words."""
 
 _LINE = re.compile(r"\s*(#.*|(export\s+)?\w+\s*=.*)?")
 """A line of a settings file: a variable, a comment, or nothing."""
@@ -96,20 +106,47 @@ def _agent_name(text: str) -> str:
     return text
 
 
+def _has_port(url: str) -> bool:
+    """Whether the port of a URL is one, if it has any."""
+    try:
+        return urlsplit(url).port != 0
+    except ValueError:
+        return False
+
+
+def _host(text: str) -> str:
+    if re.search(r"[\s/@?#\[\]]", text):
+        raise ValueError("write a name or an address alone, as 127.0.0.1, ::1 or 0.0.0.0 for all")
+    return text
+
+
+def _host_names(several: tuple[str, ...]) -> tuple[str, ...]:
+    for name in several:
+        if name != "*" and not re.fullmatch(r"[\w.-]+|\[?[0-9a-fA-F:.]+\]?", name):
+            raise ValueError(f"{name!r}: write a name alone, as dray.example.com, or * for any")
+    return several
+
+
+def _token(secret: SecretStr | None) -> SecretStr | None:
+    if secret is not None and not secret.get_secret_value().strip():
+        raise ValueError("it is only blanks: write a secret, or leave it out")
+    return secret
+
+
 def _web_address(text: str) -> str:
-    if not re.fullmatch(r"(https?://\S+)?", text):
+    if not re.fullmatch(r"(https?://[^\s/]\S*)?", text) or not _has_port(text):
         raise ValueError("write it as http://127.0.0.1:4318/v1/traces")
     return text
 
 
 def _public_url(text: str) -> str:
-    if not re.fullmatch(r"(https?://[^\s/?#@]+)?/?", text):
+    if not re.fullmatch(r"(https?://[^\s/?#@]+)?/?", text) or not _has_port(text):
         raise ValueError("write it as https://dray.example.com, with no path")
     return text.rstrip("/")
 
 
 def _broker(text: str) -> str:
-    if re.fullmatch(r"(mqtts?://[^\s/@?#:\[\]]+(:\d{1,5})?)?", text) is None:
+    if re.fullmatch(r"(mqtts?://[^\s/@?#:\[\]]+(:\d{1,5})?)?", text) is None or not _has_port(text):
         raise ValueError(
             "write it as mqtt://HOST:1883, or mqtts://HOST:8883 for TLS; no name and password in it"
         )
@@ -139,7 +176,9 @@ Networks = Annotated[tuple[IPvAnyNetwork, ...], NoDecode, BeforeValidator(_sever
 class Settings(Keeping):
     """One process's settings; immutable."""
 
-    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="ignore", env_ignore_empty=True)
+    model_config = SettingsConfigDict(
+        env_prefix=PREFIX, frozen=True, extra="ignore", env_ignore_empty=True, allow_inf_nan=False
+    )
 
     database_url: Annotated[str, AfterValidator(_database_url)] = "sqlite+aiosqlite:///dray.db"
     """The default file lies in the working folder, so that an embedded start needs no server."""
@@ -147,7 +186,7 @@ class Settings(Keeping):
     database_password: SecretStr | None = None
     """Inserted into the URL, so that the URL itself is no secret; best given as a file (see `SECRETS`)."""
 
-    host: Annotated[str, Field(min_length=1)] = "127.0.0.1"
+    host: Annotated[str, Field(min_length=1), AfterValidator(_host)] = "127.0.0.1"
     """The default is this machine only, until somebody decides who else may reach the panels."""
 
     port: Annotated[int, Field(ge=0, le=65_535)] = 8000
@@ -164,7 +203,7 @@ class Settings(Keeping):
     """The address of this gateway for people and customers, as https://dray.example.com: links to tracking pages begin
     with it. By default they begin with the address of the request."""
 
-    allowed_hosts: Several = ()
+    allowed_hosts: Annotated[Several, AfterValidator(_host_names)] = ()
     """Accepted host names of requests, with commas, beside those of this machine, of `host` and of `public_url`; * for any.
     Numeric addresses are always allowed."""
 
@@ -189,11 +228,11 @@ class Settings(Keeping):
     metrics_listen: Annotated[str, AfterValidator(_address)] = ""
     """HOST:PORT of this process's Prometheus metrics, without login; empty: none. Port 0 takes any; the log names it."""
 
-    admin_token: SecretStr | None = None
+    admin_token: Annotated[SecretStr | None, AfterValidator(_token)] = None
     """The administrator's bearer token, which allows everything; `dray up` makes one when it is absent."""
 
-    trusted_proxies: str = ""
-    """Proxies, with commas, whose X-Forwarded-For and X-Forwarded-Proto are believed. The default is none, because
+    trusted_proxies: Networks = ()
+    """Addresses or networks of proxies, with commas, whose X-Forwarded-For and X-Forwarded-Proto are believed. The default is none, because
     anybody could write these headers."""
 
     key_rate_hz: Annotated[float, Field(gt=0, le=10_000)] = 20.0
@@ -350,10 +389,10 @@ class Settings(Keeping):
         try:
             settings = cls(_env_file=settings_file, **given, **secrets)  # type: ignore[call-arg, arg-type]
         except ValidationError as error:
-            first = error.errors(include_url=False, include_context=False)[0]
+            first = error.errors(include_url=False)[0]
             field = str(first["loc"][0]) if first["loc"] else "settings"
             name = f"--{field.replace('_', '-')}" if field in given else f"{PREFIX}{field.upper()}"
-            raise SettingsError(name, _reason(first["msg"])) from None
+            raise SettingsError(name, _reason(field, first)) from None
         password = settings.database_password
         if password is None:
             return settings
@@ -376,7 +415,8 @@ def misspelt(settings_file: Path | None = None) -> dict[str, str]:
     strangers = sorted(name for name in names if name.startswith(PREFIX) and name not in known)
     meant = {name: get_close_matches(name, known, 1, ALIKE) for name in strangers if name not in FORMER}
     former = {name: FORMER[name] for name in strangers if name in FORMER}
-    return {name: matches[0] for name, matches in meant.items() if matches} | former
+    by_option = {name: BY_OPTION[name] for name in strangers if name in BY_OPTION}
+    return {name: matches[0] for name, matches in meant.items() if matches} | former | by_option
 
 
 def _check_file(file: Path) -> None:
@@ -406,6 +446,37 @@ def _with_password(url: str, password: str) -> str:
     return f"{scheme}://{user}:{quote(password, safe='')}@{place}"
 
 
-def _reason(message: str) -> str:
-    text = message.removeprefix("Value error, ")
+def _reason(field: str, error: ErrorDetails) -> str:
+    """What was written and what is allowed; secrets are not shown."""
+    said = _allowed(field, error)
+    value = error.get("input")
+    secret = field not in Settings.model_fields or "SecretStr" in str(Settings.model_fields[field].annotation)
+    # A URL's name and password stand before an @.
+    if secret or not isinstance(value, str | int | float) or "@" in str(value) or said.startswith("'"):
+        return said
+    shown = str(value)
+    if len(shown) > SHOWN_CHARS:
+        shown = f"{shown[:SHOWN_CHARS]}..."
+    return f"{shown!r}: {said}"
+
+
+def _allowed(field: str, error: ErrorDetails) -> str:
+    kind = error["type"]
+    if kind.startswith("bool"):
+        return "write true or false"
+    if kind == "literal_error":
+        return f"write {error.get('ctx', {}).get('expected', 'another word')}"
+    if kind == "ip_any_network":
+        return "write an address or a network, as 10.8.0.1 or 10.8.0.0/16"
+    if kind.startswith(("int", "float", "finite", "greater", "less")):
+        metadata = Settings.model_fields[field].metadata
+        limits = [
+            text.format(f"{limit:.15g}")
+            for name, text in _BOUNDS
+            if (limit := next((getattr(each, name) for each in metadata if hasattr(each, name)), None))
+            is not None
+        ]
+        whole = "whole " if "int" in str(Settings.model_fields[field].annotation) else ""
+        return " ".join((f"write a {whole}number", " and ".join(limits))).rstrip()
+    text = error["msg"].removeprefix("Value error, ")
     return text[:1].lower() + text[1:]

@@ -29,6 +29,7 @@ from dray.gateway.http.provided import provide
 from dray.gateway.live.timescale import TimeScale
 from dray.gateway.metrics import Stopwatch
 from dray.gateway.routes.openapi import document
+from dray.gateway.routes.pages import unknown
 from dray.gateway.routes.table import GUARDS, add_routes
 from dray.gateway.services import Beside, measure, open_services, restore, running
 from dray.plant.model import PlantFile
@@ -119,6 +120,7 @@ def create_app(
     add_routes(app)
     app.mount(PREFIX.rstrip("/"), BuiltFiles(directory=STATIC, check_dir=False), "static")
     problems.install(app)
+    unknown.install(app)
     document.install(app)
     _add_middleware(app, settings)
     return app

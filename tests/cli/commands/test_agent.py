@@ -149,8 +149,8 @@ def test_without_certificates_plain_links_must_be_asked_for(dray: Dray, command:
             "Strategist",
             "there is no 'Strategist'; with DRAY_STRATEGISTS=2 choose one of strategist, strategist2",
         ),
-        ("10", "strategist", "DRAY_STRATEGISTS: input should be less than or equal to 9"),
-        ("two", "strategist", "DRAY_STRATEGISTS: input should be a valid integer"),
+        ("10", "strategist", "DRAY_STRATEGISTS: '10': write a whole number of at least 1 and of at most 9"),
+        ("two", "strategist", "DRAY_STRATEGISTS: 'two': write a whole number of at least 1 and of at most 9"),
     ],
 )
 def test_a_strategist_that_the_plant_does_not_have_is_refused(

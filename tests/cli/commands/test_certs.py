@@ -172,10 +172,10 @@ def test_a_certificate_is_called_back_by_the_agents_name(dray: Dray, tmp_path: P
     dray("make", tmp_path)
     code, out, _ = dray("revoke", tmp_path, "ATV3", "--reason", "key-compromise")
     assert code == 0
-    assert out.startswith("1 certificate of ATV3 called back; copy ")
+    assert out.startswith("1 certificate of ATV3 revoked; copy ")
     assert str(tmp_path / "revoked.pem") in out
     code, out, _ = dray("revoke", tmp_path, "ATV3", "--reason", "superseded")
-    assert (code, out.partition(";")[0]) == (0, "ATV3: all its certificates were called back already")
+    assert (code, out.partition(";")[0]) == (0, "ATV3: all its certificates were revoked already")
 
 
 @pytest.mark.parametrize(

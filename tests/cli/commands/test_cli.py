@@ -10,10 +10,13 @@ import sys
 from contextlib import closing
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 
 from dray import __version__
+from dray.cli import app
 from dray.messages import WIRE_VERSION
 from dray_sim import scenarios
 from dray_sim.run.evidence import Check, Evidence
@@ -241,6 +244,29 @@ def test_an_option_out_of_range_is_refused(dray, option, value) -> None:
     assert option in done.err
 
 
+NUMBERS = {
+    ("up", "--speed"): "above 0",
+    ("fleet", "up", "--speed"): "from 0.1 to 50",
+    ("fleet", "update", "--python", "python", "--patience"): "of at least 1",
+    ("fleet", "kill", "ATV1", "--away"): "of at least 1",
+    ("sim", "run", "day", "--load"): "from 0.001 to 10",
+    ("sim", "run", "day", "--hours"): "from 0.05 to 2000",
+    ("sim", "plants", "--hours"): "from 0.1 to 1000",
+    ("plant", "check", "workshop", "--load"): "from 0 to 1",
+    ("plant", "new", "--yes", "--cycle"): "from 1 to 36000",
+}
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "1e400", "-1", "", "0,5"])
+@pytest.mark.parametrize("command", NUMBERS, ids=" ".join)
+def test_what_is_no_number_is_refused_with_what_is_allowed(dray, command, text) -> None:
+    done = dray(*command, text)
+    assert done.code == 2
+    said = " ".join(done.err.replace("│", " ").split())
+    assert f"{text!r}: give a number {NUMBERS[command]}" in said
+    assert command[-1] in said
+
+
 def test_a_scenario_that_there_is_not_is_refused_with_those_that_there_are(dray) -> None:
     done = dray("up", "--scenario", "case-7")
     assert done.code == 2
@@ -284,3 +310,26 @@ def test_up_refuses_a_broken_plant_file(dray, tmp_path) -> None:
     done = dray("up", "--plant", "broken.yaml", "--port", "0")
     assert done.code == 2
     assert "broken.yaml" in done.err
+
+
+def parameters() -> list[tuple[str, str]]:
+    """Every option and argument of every command, with its help."""
+    found: list[tuple[str, str]] = []
+
+    def walk(command: Any, path: str) -> None:
+        own = (each for each in command.params if each.name != "help")
+        found.extend((f"{path} {each.opts[0]}", getattr(each, "help", None) or "") for each in own)
+        for name, inner in getattr(command, "commands", {}).items():
+            walk(inner, f"{path} {name}")
+
+    walk(typer.main.get_command(app), "dray")
+    return found
+
+
+def test_every_option_and_argument_says_what_it_is() -> None:
+    told = parameters()
+    assert len(told) > 200
+    assert [name for name, text in told if not text.endswith(".")] == [], "no text, or no sentence"
+    # A text that begins in the middle names no thing: of what, which, how many of what?
+    halves = ("Of ", "Likewise", "Its URL", "How long", "How many", "Where to", "Which ones")
+    assert [name for name, text in told if text.startswith(halves)] == []

@@ -159,7 +159,8 @@ def test_who_makes_links_and_takes_them_back_is_in_the_audit_log_and_no_token_is
 @pytest.mark.parametrize(
     ("args", "told"),
     [
-        (("create", "O-2"), "there is no order and no transport 'O-2'"),
+        (("create", "O-2"), "there is no order and no transport 'O-2'; the newest are O-1, T-1"),
+        (("create", "O-2"), "management panel's lists of orders and transports"),
         (("create", "O-1", "--days", "0"), "--days"),
         (("revoke", "nothing"), "neither an order's or transport's id nor a link"),
         (("revoke", "-nothing"), "neither an order's or transport's id nor a link"),

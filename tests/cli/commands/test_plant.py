@@ -426,6 +426,16 @@ def test_a_layout_is_exported_imported_checked_and_drawn(tmp_path: Path) -> None
     assert load_plant(plant).file == load_plant("workshop").file
 
 
+def test_a_plant_file_is_not_imported_but_said_to_be_one(tmp_path: Path) -> None:
+    file = tmp_path / "plant.yaml"
+    file.write_text(load_text("workshop"), encoding="utf-8")
+    with pytest.raises(
+        SettingsError, match=r"^FILE: .*plant.yaml is a plant file already: `dray plant check"
+    ) as raised:
+        dray("plant", "import", str(file))
+    assert f"`dray up --plant {file}`" in str(raised.value)
+
+
 def test_an_import_writes_over_nothing_and_says_what_is_wrong(tmp_path: Path) -> None:
     file, plant = tmp_path / "hall.json", tmp_path / "hall.yaml"
     file.write_text("{}", encoding="utf-8")

@@ -110,12 +110,13 @@ def test_a_body_that_does_not_come_makes_room_after_those_who_have_not_asked() -
 
 
 def test_a_network_is_one_address_and_a_proxy_is_none() -> None:
-    house = Gatehouse(each=2, exempt=("127.0.0.1",))
+    house = Gatehouse(each=2, exempt=("127.0.0.1", "10.8.0.0/16"))
     first, _ = house.come("2001:db8::1")
     house.come("2001:db8::2")
     house.come("2001:db8::3")
     assert first.ended
     assert not any(house.come("127.0.0.1")[0].ended for _ in range(10))
+    assert not any(house.come("10.8.3.4")[0].ended for _ in range(10))
 
 
 def test_who_has_left_has_left_its_place() -> None:

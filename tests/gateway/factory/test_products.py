@@ -230,7 +230,7 @@ async def test_a_file_of_products_is_defined_whole_and_again_changes_nothing(hou
     [
         ("B2,Plate,4,ABLE,gold,3,MACH,8,,,,", "row 4, material"),
         ("B2,Plate,4,ABLE,MAT2,3,M99,8,,,,", "row 4, machine"),
-        ("B2,Plate,4,ABLE,MAT2,3,MACH,soon,,,,", "row 4, machine"),
+        ("B2,Plate,4,ABLE,MAT2,3,MACH,soon,,,,", "row 4, cycle_s"),
         ("B2,Plate,none,ABLE,MAT2,3,MACH,8,,,,", "row 4, lot"),
         ("B2,Plate,4,ABLE,MAT2,3,MACH,8,CAD,https://plm.example/x,text/plain,12", "row 4, sha256"),
         ("9,Plate,4,ABLE,MAT2,3,MACH,8,,,,", "row 4, product"),
@@ -374,3 +374,28 @@ async def test_of_what_was_defined_the_next_gateway_leaves_out_only_what_does_no
     async with gateway(url, plant=levels) as next_one:
         known = {each["id"] for each in (await next_one.get("/api/products"))["items"]}
         assert {"A1", "A2", "A3", "A4"} & known == {"A1", "A3", "A4"}
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize(
+    ("cells", "column", "code"),
+    [
+        ("4;steel;;M1;12", "pieces", "missing"),
+        ("4;steel;2,5;M1;12", "pieces", "whole_number"),
+        ("4;steel;-2;M1;12", "pieces", "at_least"),
+        ("4;steel;2;M1;", "cycle_s", "missing"),
+        ("4;steel;2;M1;1.234,5", "cycle_s", "number"),
+        ("4;steel;2;M1;nan", "cycle_s", "number"),
+        ("4;steel;2;M1;-3", "cycle_s", "at_least"),
+        (";steel;2;M1;12", "lot", "missing"),
+        ("4,0;steel;2;M1;12", "lot", "whole_number"),
+    ],
+)
+async def test_a_number_of_a_part_is_refused_in_its_own_column(
+    house: House, cells: str, column: str, code: str
+) -> None:
+    text = f"product;name;lot;material;pieces;machine;cycle_s\nP99;Bracket;{cells}\n"
+    answer = (await house.client.post("/api/products/import", json={"csv": text, "dry_run": True})).json()
+    assert [(fault["row"], fault["column"], fault["code"]) for fault in answer["faults"]] == [
+        (2, column, code)
+    ]

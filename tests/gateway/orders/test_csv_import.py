@@ -150,6 +150,31 @@ def test_a_cell_that_came_broken_is_named_for_what_it_is(row: str, code: str, co
     assert (fault.row, fault.column, fault.code, orders) == (2, column, code, [])
 
 
+@pytest.mark.parametrize(
+    ("text", "where"),
+    [
+        (f"cust\x00omer,product,quantity\nHall,{PRODUCT},5\n", [(1, "customer", "csv_control_character")]),
+        (f"customer,product,quantity,Quantity\nHall,{PRODUCT},5,6\n", [(1, "quantity", "column_twice")] * 2),
+        (f"customer,product,quantity\nHall,{PRODUCT},\n", [(2, "quantity", "missing")]),
+        (f"customer,product,quantity\nHall,{PRODUCT}\n", [(2, "quantity", "missing")]),
+        (f"customer,product,quantity\nHall,{PRODUCT},-5\n", [(2, "quantity", "at_least")]),
+        (f"customer;product;quantity\nHall;{PRODUCT};5,0\n", [(2, "quantity", "whole_number")]),
+    ],
+)
+def test_a_fault_has_its_own_name_and_place(text: str, where: list[tuple[int, str, str]]) -> None:
+    orders, wrong = read_orders(text)
+    assert [(fault.row, fault.column, fault.code) for fault in wrong] == where
+    assert orders == []
+
+
+def test_characters_without_width_around_a_cell_are_no_part_of_it() -> None:
+    [order], wrong = read_orders(
+        f"\u200bcustomer,product\u00ad,quantity\n\u200eHall,{PRODUCT}\u200b,\ufeff5\n"
+    )
+    assert wrong == []
+    assert (order.draft.customer, order.draft.items[0].product) == ("Hall", PRODUCT)
+
+
 def test_a_column_with_cells_and_no_name_is_a_fault_and_one_without_both_is_none() -> None:
     [fault] = read_orders("customer,,product,quantity\nHall,x,p,5\n")[1]
     assert (fault.row, fault.code, fault.values) == (1, "column_unnamed", {"number": "2"})
@@ -340,6 +365,13 @@ async def test_an_encoding_that_nobody_can_tell_is_refused_by_name(house: House,
     body = {"base64": base64.b64encode(cut).decode()}
     refused = problem(await house.client.post("/api/orders/import", json=body), 422, "unusable-fields")
     assert [error["code"] for error in refused["errors"]] == ["csv_encoding"]
+
+
+@pytest.mark.anyio
+@pytest.mark.parametrize("begin", [b"PK\x03\x04\x14\x00", b"\xd0\xcf\x11\xe0\xa1\xb1"])
+async def test_a_workbook_is_refused_as_one(house: House, begin: bytes) -> None:
+    answer = (await send_bytes(house, begin + bytes(100))).json()
+    assert [(fault["row"], fault["code"]) for fault in answer["faults"]] == [(1, "csv_workbook")]
 
 
 @pytest.mark.anyio

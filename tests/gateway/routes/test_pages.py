@@ -30,6 +30,7 @@ MANIFEST = {
         "dynamicImports": ["src/text/operator/en.ts"],
     },
     "src/text/operator/en.ts": {"file": "assets/en-1.js", "imports": ["_shared.js"]},
+    "src/login/main.ts": {"file": "assets/login-1.js", "css": ["assets/login-1.css"]},
     "src/operator/shell/worker.ts": {"file": "assets/worker-1.js"},
     "_shared.js": {"file": "assets/shared-1.js", "css": ["assets/shared-1.css"], "imports": ["_shared.js"]},
 }
@@ -184,3 +185,56 @@ async def test_the_documentation_is_one_page_that_needs_no_script_and_no_other_h
     assert "style-src 'sha256-" in answer.headers["content-security-policy"]
     for path in ("/api/orders", "/api/atvs/{atv}/commands", "/api/events"):
         assert path in answer.text
+
+
+BROWSER = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+
+
+@pytest.mark.parametrize(
+    ("language", "heading"),
+    [
+        ("en", "There is no page here"),
+        ("de", "Hier gibt es keine Seite"),
+        ("es-MX,es;q=0.9", "Aquí no hay ninguna página"),
+    ],
+)
+async def test_a_person_at_an_unknown_address_gets_a_page_that_leads_back(
+    url: str, built: Path, language: str, heading: str
+) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        answer = await house.client.get("/nonsense", headers=BROWSER | {"Accept-Language": language})
+        stranger = await house.client.get(
+            "/nonsense", headers=BROWSER | {"Accept-Language": language, "Authorization": "Bearer nobody"}
+        )
+        posted = await house.client.get("/logout", headers=BROWSER | {"Accept-Language": language})
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "text/html; charset=utf-8"
+    assert f"<h1>{heading}</h1>" in answer.text
+    assert '<a href="/">' in answer.text
+    assert "nonsense" not in answer.text
+    assert stranger.text == answer.text, "it is the same for everybody"
+    assert (posted.status_code, posted.headers["allow"]) == (405, "POST")
+    assert heading in posted.text
+
+
+@pytest.mark.parametrize(
+    ("path", "accept"),
+    [
+        ("/nonsense", "application/json"),
+        ("/nonsense", "*/*"),
+        ("/api/nonsense", BROWSER["Accept"]),
+        ("/api", BROWSER["Accept"]),
+    ],
+)
+async def test_a_program_at_an_unknown_address_gets_the_problem(
+    url: str, built: Path, path: str, accept: str
+) -> None:
+    async with gateway(url, panels=Panels(built)) as house:
+        problem(await house.client.get(path, headers={"Accept": accept}), 404, "not-found")
+
+
+async def test_without_built_panels_an_unknown_address_is_a_problem_for_everybody(
+    url: str, tmp_path: Path
+) -> None:
+    async with gateway(url, panels=Panels(tmp_path)) as house:
+        problem(await house.client.get("/nonsense", headers=BROWSER), 404, "not-found")

@@ -52,7 +52,8 @@ MachineBody = Annotated[
 Mapping = Annotated[
     Path | None,
     typer.Option(
-        "--mapping", help="Which nodes or topics of its controller are which signals; else DRAY_MAPPING."
+        "--mapping",
+        help="The file that says which nodes or topics of its controller are which signals; else DRAY_MAPPING.",
     ),
 ]
 
@@ -60,7 +61,7 @@ Broker = Annotated[
     str | None,
     typer.Option(
         "--broker",
-        help="Of a controller: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER.",
+        help="Broker of a controller: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER.",
     ),
 ]
 
@@ -139,7 +140,8 @@ def machine(
 def atv(
     name: Annotated[str, typer.Argument(help="Its id, as ATV3.")],
     type_: Annotated[
-        str | None, typer.Option("--type", help="Of a joining vehicle, which the plant file does not know.")
+        str | None,
+        typer.Option("--type", help="Type of a joining vehicle, which the plant file does not know."),
     ] = None,
     node: Annotated[str | None, typer.Option(help="Where a joining vehicle stands.")] = None,
     probation: Probation = 0,
@@ -150,12 +152,17 @@ def atv(
     ] = None,
     broker: Annotated[
         str | None,
-        typer.Option(help="Of a real vehicle: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER."),
+        typer.Option(
+            help="Broker of a real vehicle: mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER."
+        ),
     ] = None,
     manufacturer: Annotated[
-        str | None, typer.Option(help="Of a real vehicle, as its topics name it; else DRAY_MANUFACTURER.")
+        str | None,
+        typer.Option(help="Manufacturer of a real vehicle, as its topics name it; else DRAY_MANUFACTURER."),
     ] = None,
-    serial: Annotated[str | None, typer.Option(help="Likewise its serial number; else DRAY_SERIAL.")] = None,
+    serial: Annotated[
+        str | None, typer.Option(help="Its serial number, as its topics name it; else DRAY_SERIAL.")
+    ] = None,
     profile: Annotated[
         str | None,
         typer.Option(help="What it understands: a file, or one that is shipped; else DRAY_PROFILE."),
@@ -308,7 +315,7 @@ def gate(
 
 def strategist(
     name: Annotated[
-        str, typer.Argument(help="Which one, where DRAY_STRATEGISTS says that there are several.")
+        str, typer.Argument(help="Its name, where DRAY_STRATEGISTS says that there are several.")
     ] = "strategist",
     settings: SettingsFile = None,
 ) -> None:

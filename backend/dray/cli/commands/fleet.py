@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from dray.cli.runtime.options import Strategists, Traffic
+from dray.cli.runtime.options import Strategists, Traffic, number
 
 app = typer.Typer(no_args_is_help=True, help="A whole factory as processes on this computer.")
 
@@ -30,20 +30,29 @@ def up(
     ] = None,
     folder: Folder = DEFAULT_FOLDER,
     port: Annotated[
-        int | None, typer.Option(min=0, max=65_535, help="Of the gateway; else DRAY_PORT, else 8000.")
+        int | None, typer.Option(min=0, max=65_535, help="Port of the gateway; else DRAY_PORT, else 8000.")
     ] = None,
     db: Annotated[
         str | None,
         typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else a file in the folder."),
     ] = None,
-    speed: Annotated[float, typer.Option(help="Factory seconds per real second.", min=0.1, max=50.0)] = 1.0,
+    speed: Annotated[
+        float,
+        typer.Option(
+            parser=number(least=0.1, most=50.0),
+            metavar="NUMBER",
+            help="Factory seconds per real second, from 0.1 to 50.",
+        ),
+    ] = 1.0,
     plain: Annotated[
-        bool, typer.Option("--plain", help="No certificates: links can be read, and words forged.")
+        bool, typer.Option("--plain", help="No certificates: links can be read, and messages forged.")
     ] = False,
     demand: Annotated[bool, typer.Option("--demand/--no-demand", help="Place orders.")] = True,
     metrics: Annotated[
         bool,
-        typer.Option("--metrics", help="Each process tells Prometheus its own; metrics.json says where."),
+        typer.Option(
+            "--metrics", help="Each process serves its metrics for Prometheus; metrics.json says where."
+        ),
     ] = False,
     opcua: Annotated[
         bool,
@@ -109,16 +118,24 @@ def up(
 def update(
     python: Annotated[
         Path,
-        typer.Option("--python", help="Of the environment of the other version, as /opt/dray-2/bin/python."),
+        typer.Option(
+            "--python", help="The Python of the other version's environment, as /opt/dray-2/bin/python."
+        ),
     ],
     only: Annotated[
-        list[str] | None, typer.Option("--only", help="This process; may be given several times.")
+        list[str] | None,
+        typer.Option("--only", help="Replace this process alone, as ATV3; may be repeated. Else all."),
     ] = None,
     canary_tasks: Annotated[
         int, typer.Option(min=1, max=100, help="Tasks that each agent has to do well.")
     ] = 3,
     patience: Annotated[
-        float, typer.Option(min=1.0, help="Factory seconds in which there should be work for that.")
+        float,
+        typer.Option(
+            parser=number(least=1.0),
+            metavar="SECONDS",
+            help="Factory seconds, at least 1, in which there should be work for that.",
+        ),
     ] = 1800.0,
     folder: Folder = DEFAULT_FOLDER,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
@@ -180,11 +197,13 @@ def status(folder: Folder = DEFAULT_FOLDER) -> None:
 
 @app.command()
 def kill(
-    name: Annotated[str, typer.Argument(help="Which process, as ATV3.")],
+    name: Annotated[str, typer.Argument(help="The process, as ATV3.")],
     away: Annotated[
         float | None,
         typer.Option(
-            min=1.0, help="Seconds until it is started again; else it is at once.", metavar="SECONDS"
+            parser=number(least=1.0),
+            help="Seconds until it is started again, at least 1; without it, it is started again at once.",
+            metavar="SECONDS",
         ),
     ] = None,
     folder: Folder = DEFAULT_FOLDER,

@@ -24,7 +24,9 @@ def gateway(
     db: Database = None,
     name: Annotated[
         str | None,
-        typer.Option(help="On the bus, when there are several; else DRAY_GATEWAY_NAME, else gateway."),
+        typer.Option(
+            help="Its name on the bus, where there are several gateways; else DRAY_GATEWAY_NAME, else gateway."
+        ),
     ] = None,
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")

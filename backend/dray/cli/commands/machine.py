@@ -26,7 +26,8 @@ def check(
     mapping: Annotated[
         Path | None,
         typer.Option(
-            "--mapping", help="Which nodes or topics of its controller are which signals; else DRAY_MAPPING."
+            "--mapping",
+            help="The file that says which nodes or topics of its controller are which signals; else DRAY_MAPPING.",
         ),
     ] = None,
     broker: Annotated[

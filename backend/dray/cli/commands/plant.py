@@ -10,6 +10,7 @@ import typer
 
 from dray.cli.commands.plant_exchange import export_layout, floor_plan, import_layout
 from dray.cli.commands.plant_ready import ready
+from dray.cli.runtime.options import number
 
 if TYPE_CHECKING:
     from dray.plant import Plant
@@ -42,9 +43,9 @@ def check(
     load: Annotated[
         float | None,
         typer.Option(
-            help="Part of the machines' time that orders will take: what is full below it is an error.",
-            min=0.0,
-            max=1.0,
+            parser=number(most=1.0),
+            metavar="FRACTION",
+            help="Part of the machines' time that orders will take, from 0 to 1: what is full below it is an error.",
         ),
     ] = None,
     json: Annotated[Path | None, typer.Option(help="Write the warnings here too.")] = None,
@@ -77,7 +78,8 @@ def as_json(
     places: Annotated[
         bool,
         typer.Option(
-            "--places", help="Instead: its places for right of way, and who keeps their reservation tables."
+            "--places",
+            help="Write its places for right of way instead, and who keeps their reservation tables.",
         ),
     ] = False,
 ) -> None:
@@ -121,14 +123,25 @@ def new(
     out: Annotated[Path, typer.Argument(help="The plant file to write.")] = Path("plant.yaml"),
     plant: Annotated[str | None, typer.Option(help="Its id: letters, digits, _ . and -.")] = None,
     name: Annotated[str | None, typer.Option(help="What people call it.")] = None,
-    machines: Annotated[int | None, typer.Option(min=1, max=40)] = None,
-    vehicles: Annotated[int | None, typer.Option(min=1, max=40)] = None,
-    products: Annotated[int | None, typer.Option(min=1, max=40)] = None,
-    cycle: Annotated[float | None, typer.Option(help="Seconds for one piece.", min=1.0, max=36_000.0)] = None,
-    chargers: Annotated[
-        int | None, typer.Option(help="0 for as many as the vehicles need.", min=0, max=40)
+    machines: Annotated[int | None, typer.Option(help="Number of machines.", min=1, max=40)] = None,
+    vehicles: Annotated[int | None, typer.Option(help="Number of vehicles.", min=1, max=40)] = None,
+    products: Annotated[int | None, typer.Option(help="Number of products.", min=1, max=40)] = None,
+    cycle: Annotated[
+        float | None,
+        typer.Option(
+            parser=number(least=1.0, most=36_000.0),
+            metavar="SECONDS",
+            help="Seconds for one piece, from 1 to 36000.",
+        ),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", "-y", help="Ask nothing; take the defaults.")] = False,
+    chargers: Annotated[
+        int | None,
+        typer.Option(help="Number of chargers; 0 for as many as the vehicles need.", min=0, max=40),
+    ] = None,
+    yes: Annotated[
+        bool,
+        typer.Option("--yes", "-y", help="Ask nothing; take the default of each value without an option."),
+    ] = False,
     force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
 ) -> None:
     """Write a small plant that runs, as a start; asks for values without an option."""

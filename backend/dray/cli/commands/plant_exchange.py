@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,10 @@ IMPORTED = """\
 # Imported from {source} ({format}) by `dray plant import`: metres (x to the right, y up), seconds, pieces.
 # Not finished: `dray plant check` names what is open, each with its field. What stands as null is to be filled in.
 """
+
+
+PLANT_FILE = re.compile(r"^(plant|nodes|lanes|machines|fleet)\s*:", re.MULTILINE)
+"""A line that a plant file has, and neither JSON nor XML."""
 
 
 def import_layout(
@@ -31,9 +36,12 @@ def import_layout(
         ),
     ] = None,
     layout: Annotated[
-        list[str] | None, typer.Option(help="Of a LIF file with several: the id of a layout; repeat it.")
+        list[str] | None,
+        typer.Option(help="Id of a layout, where a LIF file has several; may be repeated. Else all."),
     ] = None,
-    unit: Annotated[str, typer.Option(help="Of a LIF file: m, cm or mm; else it is found out.")] = "",
+    unit: Annotated[
+        str, typer.Option(help="Unit of lengths in a LIF file: m, cm or mm; else it is found out.")
+    ] = "",
     force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
 ) -> None:
     """Convert a layout of another system into a plant file, and list what the layout lacks.
@@ -56,14 +64,20 @@ def import_layout(
         raise SettingsError("--plant", ID_RULE)
     plant_file = out or file.with_suffix(".yaml")
     mapping_file = mapping or plant_file.with_suffix(".mapping.json")
-    for option, path in (("--out", plant_file), ("--mapping", mapping_file)):
-        if path.exists() and not force:
-            raise SettingsError(option, f"{path} is there already: choose another file, or give --force")
     try:
         with file.open("rb") as stream:
             content = stream.read(MAX_BYTES + 1)
     except OSError as error:
         raise SettingsError("FILE", f"{file} cannot be read: {error.strerror}") from None
+    if not content.lstrip().startswith((b"<", b"{")) and PLANT_FILE.search(content.decode("latin-1")):
+        raise SettingsError(
+            "FILE",
+            f"{file} is a plant file already: `dray plant check {file}` says what is wrong with it, "
+            f"`dray up --plant {file}` runs it; what is imported is a layout of another system, LIF (JSON) or openTCS (XML)",
+        )
+    for option, path in (("--out", plant_file), ("--mapping", mapping_file)):
+        if path.exists() and not force:
+            raise SettingsError(option, f"{path} is there already: choose another file, or give --force")
     imported = read_layout(content, str(file), plant=plant, name=name, unit=unit, layouts=tuple(layout or ()))
     data = imported.data
     if onto is not None:
@@ -87,8 +101,10 @@ def import_layout(
 
 def export_layout(
     file: Annotated[Path, typer.Argument(help="A plant file (YAML), or the name of a shipped plant.")],
-    lif: Annotated[bool, typer.Option("--lif", help="As LIF of VDMA.")] = False,
-    lif_version: Annotated[str, typer.Option(help="Of LIF: 1.0.0 or 2.0.0.")] = "1.0.0",
+    lif: Annotated[
+        bool, typer.Option("--lif", help="Write LIF of VDMA. It is the only format, and must be given.")
+    ] = False,
+    lif_version: Annotated[str, typer.Option(help="Version of LIF: 1.0.0 or 2.0.0.")] = "1.0.0",
     out: Annotated[Path | None, typer.Option("-o", "--out", help="The file; else standard output.")] = None,
 ) -> None:
     """Write a plant for other systems: its lanes as they are driven, and its stations."""

@@ -15,8 +15,12 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Real vehicles that speak VDA 5050.")
 
 Broker = Annotated[str | None, typer.Option(help="mqtt://HOST:1883, or mqtts:// for TLS; else DRAY_BROKER.")]
-Manufacturer = Annotated[str | None, typer.Option(help="As its topics name it; else DRAY_MANUFACTURER.")]
-Serial = Annotated[str | None, typer.Option(help="Likewise its serial number; else DRAY_SERIAL.")]
+Manufacturer = Annotated[
+    str | None, typer.Option(help="Its manufacturer, as its topics name it; else DRAY_MANUFACTURER.")
+]
+Serial = Annotated[
+    str | None, typer.Option(help="Its serial number, as its topics name it; else DRAY_SERIAL.")
+]
 Profile = Annotated[
     str | None, typer.Option(help="What it understands: a file, or one that is shipped; else DRAY_PROFILE.")
 ]
@@ -45,7 +49,7 @@ def check(
         str, typer.Option(help="Let it pick and drop here; it must stand at this station.")
     ] = "",
     item: Annotated[str, typer.Option(help="What it picks there.")] = "",
-    quantity: Annotated[int, typer.Option(min=1, help="How many.")] = 1,
+    quantity: Annotated[int, typer.Option(min=1, help="Pieces that it picks.")] = 1,
     out: Annotated[Path | None, typer.Option(help="Write the report there, too (Markdown).")] = None,
     record: Annotated[
         Path | None, typer.Option(help="Write the dialogue there, for `dray vehicle replay`.")
@@ -79,12 +83,14 @@ def check(
 @app.command()
 def status(
     atv: Annotated[
-        str, typer.Argument(help="Its id in the plant, as ATV3; left out: all that were heard.")
+        str, typer.Argument(help="Its id in the plant, as ATV3; without one, all that were heard.")
     ] = "",
     url: PanelUrl = None,
     token: Annotated[
         str | None,
-        typer.Option(help="A key with factory:read, or the administrator's token; else DRAY_ADMIN_TOKEN."),
+        typer.Option(
+            help="A key with factory:read, or the administrator's token, which `dray up` prints; else DRAY_ADMIN_TOKEN."
+        ),
     ] = None,
 ) -> None:
     """Show vehicles: status, place, battery, problem, and in the last line what each waits for and what would end it."""
@@ -123,14 +129,14 @@ def record(
 
 @app.command()
 def replay(
-    file: Annotated[Path, typer.Argument(help="A dialogue.")],
+    file: Annotated[Path, typer.Argument(help="A dialogue, as `dray vehicle record` writes it.")],
     plant: PlantOption = None,
     profile: Annotated[
         str | None,
-        typer.Option(help="Another profile than that of the dialogue: what would be said otherwise?"),
+        typer.Option(help="Another profile than that of the dialogue: shows what would differ."),
     ] = None,
     quiet: Annotated[
-        bool, typer.Option("--quiet", help="Only whether the same is said as was recorded.")
+        bool, typer.Option("--quiet", help="Say only whether the messages are those of the recording.")
     ] = False,
 ) -> None:
     """Play a dialogue into a fresh driver, and show its reaction. Exit code 1: it differs from the recording."""

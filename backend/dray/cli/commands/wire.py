@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer(no_args_is_help=True, help="What agents say, as schemas.")
+app = typer.Typer(no_args_is_help=True, help="The agents' messages, as schemas.")
 
 
 @app.callback()
@@ -17,7 +17,7 @@ def wire() -> None:
 
 @app.command()
 def write(
-    folder: Annotated[Path, typer.Argument(help="Where to.")] = Path("docs/wire"),
+    folder: Annotated[Path, typer.Argument(help="The folder to write.")] = Path("docs/wire"),
     release: Annotated[
         bool, typer.Option("--release", help="Let the next version be compared with this one.")
     ] = False,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -38,9 +40,36 @@ PanelUrl = Annotated[
 Strategists = Annotated[
     int | None,
     typer.Option(
-        "--strategists", min=1, max=9, help="How many share the orders; else DRAY_STRATEGISTS, else 1."
+        "--strategists",
+        min=1,
+        max=9,
+        help="Number of strategists, which share the orders; else DRAY_STRATEGISTS, else 1.",
     ),
 ]
+
+
+def number(*, least: float = 0.0, most: float = math.inf, above: bool = False) -> Callable[[str], float]:
+    """The parser of an option with a number; a refused text is named, with what is allowed.
+
+    Args:
+        least: the smallest number.
+        most: the largest one.
+        above: whether `least` itself is refused.
+    """
+    low = f"above {least:g}" if above else f"of at least {least:g}" if most == math.inf else f"from {least:g}"
+    allowed = low if most == math.inf else f"{low} {'and at most' if above else 'to'} {most:g}"
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value) or value < least or value > most or (above and value == least):
+            raise typer.BadParameter(f"{text!r}: give a number {allowed}")
+        return value
+
+    return parse
+
 
 OPTIONS = {"--database-url": "--db", "--gateway-name": "--name", "--plant-file": "--plant"}
 """Options whose name differs from the setting's."""

@@ -7,7 +7,6 @@ and never uses an old one.
 from __future__ import annotations
 
 import mimetypes
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +56,7 @@ class Panels:
 
     def __init__(self, static: Path = STATIC, templates: Path | None = None) -> None:
         self._static = static
+        self._read: tuple[tuple[int, int, int], dict[str, Chunk]] = ((0, 0, 0), {})
         self._templates = jinja2.Environment(
             loader=jinja2.FileSystemLoader(templates or templates_folder()),
             autoescape=True,
@@ -64,13 +64,18 @@ class Panels:
         )
         self._templates.globals.update(asset=self.asset, styles=self.styles)
 
-    @cached_property
+    @property
     def _manifest(self) -> dict[str, Chunk]:
+        """The manifest; read again when a build has replaced it."""
+        file = self._static / ".vite" / "manifest.json"
         try:
-            written = (self._static / ".vite" / "manifest.json").read_bytes()
+            status = file.stat()
+            version = (status.st_ino, status.st_mtime_ns, status.st_size)
+            if version != self._read[0]:
+                self._read = version, msgspec.json.decode(file.read_bytes(), type=dict[str, Chunk])
         except OSError:
             raise NotBuilt(str(self._static)) from None
-        return msgspec.json.decode(written, type=dict[str, Chunk])
+        return self._read[1]
 
     def render(self, template: str, **context: Any) -> str:
         """Render a page.

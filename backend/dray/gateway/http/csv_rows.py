@@ -33,7 +33,15 @@ SEPARATORS = (",", ";", "\t", "|")
 _DIRECTIVE = re.compile(r'\s*"?sep=(.)"?[,;\t| ]*(\r\n|\r|\n|$)', re.IGNORECASE)
 """A first line that tells a spreadsheet the separator; spreadsheets do not count it as a row."""
 
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""First bytes of workbooks: packed XML (.xlsx, .ods), and the format before (.xls)."""
+
+_AROUND = re.compile(r"^[\s\u00ad\u200b-\u200f\u2060\ufeff]+|[\s\u00ad\u200b-\u200f\u2060\ufeff]+$")
+"""Blanks around a cell, and characters without width, which come with what is copied from pages and documents."""
+
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+
+_WHOLE = re.compile(r"-?[0-9]{1,9}")
 
 Row = tuple[int, dict[str, str]]
 """Row number as in a spreadsheet, and its cells by column."""
@@ -106,6 +114,8 @@ def text_of_file(text: str | None, packed: str | None) -> FileText:
         content = base64.b64decode(packed, validate=True)
     except ValueError:
         raise unusable(FieldError.of("base64", "no_base64")) from None
+    if content.startswith(WORKBOOKS):
+        return FileText("", faults=[RowFault.of(1, "", "csv_workbook")])
     try:
         decoded = decode_text(content)
     except UnknownEncodingError:
@@ -139,7 +149,7 @@ def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple
     if not read:
         return [], [RowFault.of(1, "", "csv_empty", columns=", ".join(columns))]
     (_, names), *lines = read
-    header = [name.strip().lower() for name in names]
+    header = [_AROUND.sub("", name).lower() for name in names]
     while header and not header[-1]:
         header.pop()
     if len(header) > MAX_COLUMNS:
@@ -156,13 +166,18 @@ def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple
     if faults:
         return [], faults
     return [
-        (row, dict(zip(header, (cell.strip() for cell in cells), strict=False))) for row, cells in lines
+        (row, dict(zip(header, (_AROUND.sub("", cell) for cell in cells), strict=False)))
+        for row, cells in lines
     ], []
 
 
 def number(text: str) -> int | str:
     """The whole number in a cell; else the cell itself, to be refused later."""
+<<<<<<< HEAD
     return int(text) if re.fullmatch("-?[0-9]{1,9}", text) else text
+=======
+    return int(text) if _WHOLE.fullmatch(text) else text
+>>>>>>> y-b
 
 
 def _filled(rows: Iterable[list[str]]) -> Iterator[tuple[int, list[str]]]:
@@ -172,11 +187,14 @@ def _filled(rows: Iterable[list[str]]) -> Iterator[tuple[int, list[str]]]:
 
 def _wrong_header(header: list[str], columns: Sequence[str], needed: Sequence[str]) -> Iterator[RowFault]:
     times = Counter(header)
+    damaged = {name: _CONTROL.sub("", name) for name in header if _CONTROL.search(name)}
     for name in needed:
-        if name not in times:
+        if name not in times and name not in damaged.values():
             yield RowFault.of(1, name, "column_missing")
     for number, name in enumerate(header, 1):
-        if not name:
+        if name in damaged:
+            yield RowFault.of(1, damaged[name], "csv_control_character")
+        elif not name:
             yield RowFault.of(1, "", "column_unnamed", number=number)
         elif name not in columns:
             yield RowFault.of(1, name, "column_unknown", columns=", ".join(columns))

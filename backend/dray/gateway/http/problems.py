@@ -159,7 +159,7 @@ def install(app: FastAPI) -> None:
     """Turn every error of `app` into a problem; `on_bug` is for a middleware."""
     app.add_exception_handler(Problem, _on_problem)
     app.add_exception_handler(RequestValidationError, _on_validation)
-    app.add_exception_handler(HTTPException, _on_http)
+    app.add_exception_handler(HTTPException, on_http)
     app.add_exception_handler(UnavailableError, _on_unavailable)
 
 
@@ -180,7 +180,8 @@ async def _on_validation(request: Request, error: Exception) -> Response:
     return unusable_fields(told).response(request.url.path)
 
 
-async def _on_http(request: Request, error: Exception) -> Response:
+async def on_http(request: Request, error: Exception) -> Response:
+    """The problem of an address or method without a route, or of an unreadable request."""
     assert isinstance(error, HTTPException)  # noqa: S101 - it was registered for these only
     path = request.url.path
     status, headers = HTTPStatus(error.status_code), dict(error.headers or {})

@@ -159,7 +159,8 @@ def _draft(rows: list[dict[str, str]]) -> dict[str, Any]:
     draft: dict[str, Any] = {
         "customer": first.get("customer", ""),
         "items": [
-            {"product": cells.get("product", ""), "quantity": number(cells.get("quantity", ""))}
+            {"product": cells.get("product", "")}
+            | ({"quantity": number(quantity)} if (quantity := cells.get("quantity", "")) else {})
             for cells in rows
         ],
     }

@@ -8,7 +8,7 @@ and optional below.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
@@ -16,6 +16,7 @@ import msgspec
 from pydantic import ValidationError
 
 from dray.gateway.http.csv_rows import Row, RowFault, number, read_rows
+from dray.gateway.http.fault_codes import WORDS
 from dray.gateway.http.problems import FieldError, field_error
 from dray.gateway.products.drafts import ID, ProductDraft
 
@@ -27,6 +28,9 @@ DOCUMENT = ("document", "address", "media_type", "sha256")
 COLUMNS = ("product", *WHOLE, "material", "pieces", "machine", "cycle_s", *DOCUMENT)
 
 NEEDED = ("product", "name", "lot", "material", "pieces")
+
+OF_AMOUNTS = frozenset({"missing", "whole_number", "number", "at_least", "at_most", "machine_own_time"})
+"""Codes of faults in a part's number, not in its name."""
 
 _DECIMAL = re.compile(r"\d{1,9}([.,]\d{1,6})?")
 
@@ -69,7 +73,7 @@ def read_products(text: str) -> tuple[list[ReadProduct], list[RowFault]]:
         try:
             draft = ProductDraft.model_validate(fields)
         except ValidationError as error:
-            wrong += [_place(field_error(fault), first, places) for fault in error.errors()]
+            wrong += [_place(_of_cell(fault), first, places) for fault in error.errors()]
         else:
             if not wrong:
                 products.append(ReadProduct(id_, draft, first, places))
@@ -77,10 +81,19 @@ def read_products(text: str) -> tuple[list[ReadProduct], list[RowFault]]:
     return products, faults
 
 
+def _of_cell(fault: Mapping[str, Any]) -> FieldError:
+    """A fault of the draft; an empty cell is missing, whatever it should have held."""
+    error = field_error(fault)
+    if fault.get("input", "") is None:
+        return FieldError(error.field, WORDS["missing"], "missing")
+    return error
+
+
 def _place(error: FieldError, first: int, rows: dict[str, int]) -> RowFault:
     head, _, rest = error.field.partition(".")
     if (place := f"{head}.{rest.removesuffix('.[key]')}") in rows:
-        return RowFault.at(rows[place], {"bill": "material", "machines": "machine"}[head], error)
+        names, amounts = {"bill": ("material", "pieces"), "machines": ("machine", "cycle_s")}[head]
+        return RowFault.at(rows[place], amounts if error.code in OF_AMOUNTS else names, error)
     if numbered := re.match(r"bill\[(\d+)\]", error.field):
         lines = [row for field, row in rows.items() if field.startswith("bill.")]
         return RowFault.at(lines[int(numbered[1])], "material", error)
@@ -117,7 +130,8 @@ def _draft(members: list[Row]) -> tuple[dict[str, Any], dict[str, int], list[Row
                 if name in parts:
                     known = rows[f"{kind}.{name}"]
                     twice.append(RowFault.of(row, column, "stands_already", name=name, row=known))
-                parts[name] = amount
+                # None is reported as a missing number.
+                parts[name] = None if amount == "" else amount
                 rows.setdefault(f"{kind}.{name}", row)
         if any(cells.get(column) for column in DOCUMENT):
             rows[f"documents.{len(documents)}"] = row
@@ -125,11 +139,12 @@ def _draft(members: list[Row]) -> tuple[dict[str, Any], dict[str, int], list[Row
             documents.append({"name": document.pop("document"), **document})
     fields: dict[str, Any] = {
         "name": first.get("name", ""),
-        "lot": number(first.get("lot", "")),
         "bill": bill,
         "machines": machines,
         "documents": documents,
     }
+    if lot := first.get("lot"):
+        fields["lot"] = number(lot)
     if first.get("ability"):
         fields["ability"] = first["ability"]
     return fields, rows, twice

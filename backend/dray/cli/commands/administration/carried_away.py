@@ -29,7 +29,7 @@ def carried_away(
     atv: Annotated[
         str | None,
         typer.Argument(
-            help="The vehicle, or whoever holds places: its id, as ATV3; without one, who is off the floor, and which machines "
+            help="Id of the vehicle, as ATV3, or of another agent that holds places; without one, lists what is off the floor, and which machines "
             "refuse to believe it, and why."
         ),
     ] = None,

@@ -19,7 +19,7 @@ PlantFile = Annotated[
     Path | None, typer.Option("--plant", help="A plant file; else DRAY_PLANT_FILE, else the default plant.")
 ]
 Days = Annotated[
-    int | None, typer.Option(min=1, max=3650, help="How long they are valid; else a year and a month.")
+    int | None, typer.Option(min=1, max=3650, help="Days for which they are valid; else a year and a month.")
 ]
 
 
@@ -89,7 +89,7 @@ def issue(
 @app.command()
 def revoke(
     folder: Folder,
-    agent: Annotated[str, typer.Argument(help="The id of the agent whose certificates are called back.")],
+    agent: Annotated[str, typer.Argument(help="The id of the agent whose certificates are revoked.")],
     reason: Annotated[
         str, typer.Option(help="key-compromise, superseded, cessation-of-operation or unspecified.")
     ],
@@ -107,9 +107,9 @@ def revoke(
     with _writing_into(folder):
         count = call_back(authority, folder, agent, reason)
     told = (
-        f"{count} {'certificate' if count == 1 else 'certificates'} of {agent} called back"
+        f"{count} {'certificate' if count == 1 else 'certificates'} of {agent} revoked"
         if count
-        else (f"{agent}: all its certificates were called back already")
+        else (f"{agent}: all its certificates were revoked already")
     )
     typer.echo(f"{told}; copy {folder / FILE} beside authority.pem on every computer")
 

@@ -17,7 +17,7 @@ def db() -> None:
 @app.command()
 def upgrade(
     db: Annotated[
-        str | None, typer.Option(help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+        str | None, typer.Option(help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
     ] = None,
 ) -> None:
     """Create or upgrade the tables; harmless when they are up to date."""

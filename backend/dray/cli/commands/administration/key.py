@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Keys by which other systems use the API.")
 
 Database = Annotated[
-    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+    str | None,
+    typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
 ]
 
 DAY_S = 86_400.0
@@ -46,10 +47,11 @@ def key() -> None:
 
 @app.command()
 def create(
-    name: Annotated[str, typer.Argument(help="What it is for, as ERP.")],
+    name: Annotated[str, typer.Argument(help="What the key is for, as ERP.")],
     scope: Annotated[list[str], typer.Option(help="What it may do, as orders:write; may be repeated.")],
     days: Annotated[
-        int | None, typer.Option(min=1, max=LONGEST_DAYS, help="How long it works; else until it is revoked.")
+        int | None,
+        typer.Option(min=1, max=LONGEST_DAYS, help="Days for which it works; else until it is revoked."),
     ] = None,
     place: Annotated[
         list[str] | None,
@@ -62,7 +64,7 @@ def create(
     open_max: Annotated[
         int | None,
         typer.Option(
-            "--open", min=1, max=OPEN_MOST, help="Its transports that may be open at once; else 50."
+            "--open", min=1, max=OPEN_MOST, help="Number of its transports that may be open at once; else 50."
         ),
     ] = None,
     open_each_max: Annotated[
@@ -76,7 +78,7 @@ def create(
     plant: Annotated[
         Path | None,
         typer.Option(
-            help="Whose places and materials these are; else DRAY_PLANT_FILE's, else the default plant's."
+            help="The plant file with these places and materials; else DRAY_PLANT_FILE, else the default plant."
         ),
     ] = None,
     db: Database = None,

@@ -14,13 +14,17 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Links to the pages of orders and plain transports.")
 
 Database = Annotated[
-    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+    str | None,
+    typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
 ]
 
 DAY_S = 86_400.0
 
 LONGEST_DAYS = 3650
 """Maximum validity: ten years; a longer one needs a link without an end of its own."""
+
+NEWEST_SHOWN = 5
+"""Maximum orders, and transports, named where an id is unknown."""
 
 
 @app.callback()
@@ -42,7 +46,7 @@ def create(
         typer.Option(
             min=1,
             max=LONGEST_DAYS,
-            help="How long it leads there; else until a quarter after the order's or transport's end.",
+            help="Days for which it works; else until 90 days after the end of the order or transport.",
         ),
     ] = None,
     url: Annotated[
@@ -64,10 +68,7 @@ def create(
     async def keep(work: Work) -> str:
         links = await _links_of(work, to)
         if links is None:
-            raise SettingsError(
-                "ORDER|TRANSPORT",
-                f"there is no order and no transport {to!r}; GET /api/orders and GET /api/transports list them",
-            )
+            raise SettingsError("ORDER|TRANSPORT", await _unknown(work, to))
         ends_s = None if days is None else now_s + days * DAY_S
         if not await links.add_another(token, Link(to, now_s, expires_at_s=ends_s)):
             raise SettingsError(
@@ -116,6 +117,24 @@ async def _links_of(work: Work, subject: str) -> Links | None:
     if await work.transports.get(subject) is not None:
         return work.transport_links
     return None
+
+
+async def _unknown(work: Work, subject: str) -> str:
+    """The text about an unknown subject, with the newest ones."""
+    from dray.store.orders.order_filter import OrderFilter
+    from dray.store.orders.transports import TransportFilter
+
+    newest = [each.id for each in await work.orders.page(OrderFilter(), None, NEWEST_SHOWN)]
+    newest += [each.id for each in await work.transports.page(TransportFilter(), None, NEWEST_SHOWN)]
+    here = (
+        f"the newest are {', '.join(newest)}"
+        if newest
+        else "this database has none; is it the gateway's (--db)?"
+    )
+    return (
+        f"there is no order and no transport {subject!r}; {here}. The management panel's lists of orders and "
+        "transports have all ids, and so have GET /api/orders and GET /api/transports"
+    )
 
 
 async def _links_with(work: Work, token: str) -> tuple[Links, str]:

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from dray.store.work import Work
 
 Database = Annotated[
-    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+    str | None,
+    typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
 ]
 
 SEEN = "gateways on this database tell everybody within two seconds; without one, as soon as one is started"
@@ -26,7 +27,7 @@ REASON_CHARS = 200
 
 def shut_out(
     agent: Annotated[
-        str | None, typer.Argument(help="Its id, as ATV3; without one, who is shut out.")
+        str | None, typer.Argument(help="Its id, as ATV3; without one, lists who is shut out.")
     ] = None,
     reason: Annotated[str, typer.Option(help="Why; panels and the audit log show it.")] = "",
     db: Database = None,

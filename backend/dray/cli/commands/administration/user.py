@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 app = typer.Typer(no_args_is_help=True, help="Who may log in, and by what.")
 
 Database = Annotated[
-    str | None, typer.Option("--db", help="Its URL; else DRAY_DATABASE_URL, else sqlite:///dray.db.")
+    str | None,
+    typer.Option("--db", help="URL of the database; else DRAY_DATABASE_URL, else sqlite:///dray.db."),
 ]
 
 Who = Annotated[str, typer.Argument(metavar="NAME", help="As `dray user list` shows it.")]
@@ -33,13 +34,13 @@ def user() -> None:
 
 @app.command()
 def add(
-    name: Annotated[str, typer.Argument(help="What is typed to log in: small letters, digits, . _ and -")],
+    name: Annotated[str, typer.Argument(help="What is typed to log in: small letters, digits, . _ and -.")],
     role: Annotated[str, typer.Option(help="manager or operator.")] = "operator",
     called: Annotated[str, typer.Option(help="What people call them; else NAME.")] = "",
     area: Annotated[list[str] | None, typer.Option(help="Where an operator works; may be repeated.")] = None,
     plant: Annotated[
         Path | None,
-        typer.Option(help="Whose areas these are; else DRAY_PLANT_FILE's, else the default plant's."),
+        typer.Option(help="The plant file with these areas; else DRAY_PLANT_FILE, else the default plant."),
     ] = None,
     db: Database = None,
 ) -> None:
@@ -149,7 +150,7 @@ def badge(
 @app.command()
 def link(
     name: Who,
-    hours: Annotated[int, typer.Option(min=1, max=LONGEST_LINK_H, help="How long it works.")] = 24,
+    hours: Annotated[int, typer.Option(min=1, max=LONGEST_LINK_H, help="Hours for which it works.")] = 24,
     url: Annotated[
         str | None,
         typer.Option(

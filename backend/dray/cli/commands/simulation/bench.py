@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 def bench(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Which ones; all that are not long by default.", show_default=False),
+        typer.Argument(help="Names of benchmarks; else all that are not long.", show_default=False),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Less work: less exact, for a first look.")] = False,
     json: Annotated[Path | None, typer.Option(help="Write the figures here too.")] = None,
     out: Annotated[Path | None, typer.Option(help="Write them here as a Markdown document, too.")] = None,
     plant: Annotated[str, typer.Option(help="With `traffic`: this floor only.", show_default=False)] = "",
     seeds: Annotated[
-        str, typer.Option(help="With `traffic`: from A to before B.", metavar="A:B", show_default=False)
+        str, typer.Option(help="With `traffic`: seeds from A to before B.", metavar="A:B", show_default=False)
     ] = "",
     traffic: Traffic = None,
 ) -> None:

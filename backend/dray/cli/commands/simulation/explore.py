@@ -23,12 +23,12 @@ SHOWN = 3
 
 
 def explore(
-    seeds: Annotated[str, typer.Option(help="From A to before B.", metavar="A:B")] = DEFAULT_SEEDS,
+    seeds: Annotated[str, typer.Option(help="Seeds from A to before B.", metavar="A:B")] = DEFAULT_SEEDS,
     seed: Annotated[
         int | None, typer.Option(help="Replay this one alone, and say what it stands for.")
     ] = None,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
-    profile: Annotated[str, typer.Option(help="From where runs are drawn.")] = "all",
+    profile: Annotated[str, typer.Option(help="Profile: the kind of plants, loads and faults.")] = "all",
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the summary here too.")] = None,
     ledger: Annotated[

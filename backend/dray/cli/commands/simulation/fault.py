@@ -50,7 +50,9 @@ def list_faults(url: PanelUrl = None, token: Token = None) -> None:
 
 @app.command()
 def begin(
-    kind: Annotated[str, typer.Argument(help="As `dray fault list` names it; wlan-cut is wlan_cut.")],
+    kind: Annotated[
+        str, typer.Argument(help="Its kind, as `dray fault list` names it; wlan-cut is read as wlan_cut.")
+    ],
     agent: Annotated[str, typer.Argument(help="The vehicle, machine or other agent.")] = "",
     given: Annotated[
         list[str] | None, typer.Option("--set", help="Another field, as latency_s=2; may be repeated.")

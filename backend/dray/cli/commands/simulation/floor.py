@@ -12,7 +12,7 @@ from dray.cli.runtime.options import SettingsFile, Traffic
 
 def floor(
     settings: SettingsFile = None,
-    seed: Annotated[int, typer.Option(help="How full buffers are at the start follows from it.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of how full buffers are at the start.")] = 1,
     traffic: Traffic = None,
     foreign: Annotated[
         str | None,

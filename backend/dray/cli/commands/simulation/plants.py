@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import Traffic
+from dray.cli.runtime.options import Traffic, number
 
 if TYPE_CHECKING:
     from dray_sim.plants.fleet_sizes import Floor
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 def plants(
-    count: Annotated[int, typer.Option(help="How many, one for each seed from --first on.", min=1)] = 40,
+    count: Annotated[
+        int, typer.Option(help="Number of plants, one for each seed from --first on.", min=1)
+    ] = 40,
     first: Annotated[int, typer.Option(help="The first seed.", min=0)] = 0,
     seed: Annotated[
         int | None, typer.Option(help="Replay this one alone, with all its figures.", min=0)
@@ -27,7 +29,14 @@ def plants(
         str, typer.Option(help="raster: a raster of roads; halls: lanes of any shape, often too narrow.")
     ] = "raster",
     small: Annotated[bool, typer.Option("--small", help="Plants of a few machines and vehicles.")] = False,
-    hours: Annotated[float, typer.Option(help="Of demand.", min=0.1, max=1000.0)] = 4.0,
+    hours: Annotated[
+        float,
+        typer.Option(
+            parser=number(least=0.1, most=1000.0),
+            metavar="HOURS",
+            help="Factory hours in which orders are placed, from 0.1 to 1000.",
+        ),
+    ] = 4.0,
     jobs: Annotated[int, typer.Option(help="Processes; 0 for one per core.", min=0)] = 0,
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the judgements here too.")] = None,

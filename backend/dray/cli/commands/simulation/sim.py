@@ -10,7 +10,7 @@ import typer
 from dray.cli.commands.simulation.explore import explore
 from dray.cli.commands.simulation.plants import plants
 from dray.cli.commands.simulation.vehicles import vehicles
-from dray.cli.runtime.options import Traffic
+from dray.cli.runtime.options import Traffic, number
 
 if TYPE_CHECKING:
     from dray_sim.scenarios.document import Section
@@ -40,18 +40,29 @@ def list_scenarios() -> None:
 @app.command()
 def run(
     name: Annotated[str, typer.Argument(help="A scenario, as `dray sim list` names it.")],
-    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    seed: Annotated[int, typer.Option(help="Seed of everything that is left to chance.")] = 1,
     plant: Annotated[
         Path | None,
         typer.Option(help="A plant file, or the name of a shipped plant, instead of the scenario's own."),
     ] = None,
     load: Annotated[
         float | None,
-        typer.Option(help="Part of the machines' time that the orders take.", min=0.001, max=10.0),
+        typer.Option(
+            parser=number(least=0.001, most=10.0),
+            metavar="FRACTION",
+            help="Part of the machines' time that the orders take, from 0.001 to 10; 0.7 is 70 %. Else the scenario's own.",
+        ),
     ] = None,
-    hours: Annotated[float | None, typer.Option(help="Of demand.", min=0.05, max=2_000.0)] = None,
+    hours: Annotated[
+        float | None,
+        typer.Option(
+            parser=number(least=0.05, most=2_000.0),
+            metavar="HOURS",
+            help="Factory hours in which orders are placed, from 0.05 to 2000. Else the scenario's own.",
+        ),
+    ] = None,
     strategists: Annotated[
-        int | None, typer.Option(help="How many share the orders; one by default.", min=1, max=9)
+        int | None, typer.Option(help="Number of strategists, which share the orders; else 1.", min=1, max=9)
     ] = None,
     traffic: Traffic = None,
     json: Annotated[Path | None, typer.Option(help="Write the report here too.")] = None,
@@ -89,8 +100,8 @@ def run(
 @app.command()
 def report(
     out: Annotated[Path, typer.Option(help="The Markdown file to write.")] = Path("docs/scenarios.md"),
-    seed: Annotated[int, typer.Option(help="Of all scenarios.")] = 1,
-    jobs: Annotated[int, typer.Option(help="How many run at once.", min=1)] = 2,
+    seed: Annotated[int, typer.Option(help="Seed of all scenarios.")] = 1,
+    jobs: Annotated[int, typer.Option(help="Number of scenarios that run at once.", min=1)] = 2,
     traffic: Traffic = None,
 ) -> None:
     """Play all scenarios and write their reports into one document. Takes some minutes.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dray.cli.runtime.options import Strategists, Traffic
+from dray.cli.runtime.options import Strategists, Traffic, number
 
 if TYPE_CHECKING:
     from dray.adapters.vda5050.link import BrokerAddress
@@ -41,8 +40,13 @@ def up(
             help="A plant file; else DRAY_PLANT_FILE, else the default plant of 12 machines and 8 vehicles."
         ),
     ] = None,
-    speed: Annotated[float, typer.Option(help="Factory seconds per real second.")] = 1.0,
-    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.")] = 1,
+    speed: Annotated[
+        float,
+        typer.Option(
+            parser=number(above=True), metavar="NUMBER", help="Factory seconds per real second, above 0."
+        ),
+    ] = 1.0,
+    seed: Annotated[int, typer.Option(help="Seed of everything that is left to chance.")] = 1,
     demand: Annotated[
         bool, typer.Option("--demand/--no-demand", help="Place orders, so that there is something to see.")
     ] = True,
@@ -77,9 +81,6 @@ def up(
     ] = None,
 ) -> None:
     """Run a simulated factory with its panels; Ctrl-C stops it."""
-    if not (math.isfinite(speed) and speed > 0):
-        raise typer.BadParameter("must be above 0", param_hint="--speed")
-
     import asyncio
 
     from dray.cli.commands.plant import chosen_plant

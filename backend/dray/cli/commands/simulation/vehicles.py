@@ -11,8 +11,10 @@ from dray.cli.runtime.options import Traffic
 
 
 def vehicles(
-    kills: Annotated[int, typer.Option(help="How many, one every 20 s on average.", min=1, max=10_000)] = 200,
-    seed: Annotated[int, typer.Option(help="Everything that is left to chance follows from it.", min=0)] = 1,
+    kills: Annotated[
+        int, typer.Option(help="Number of kills, one every 20 s on average.", min=1, max=10_000)
+    ] = 200,
+    seed: Annotated[int, typer.Option(help="Seed of everything that is left to chance.", min=0)] = 1,
     plant: Annotated[
         Path | None, typer.Option(help="A plant file, or the name of a shipped plant; else the default one.")
     ] = None,

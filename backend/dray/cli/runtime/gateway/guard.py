@@ -12,6 +12,7 @@ import resource
 import time
 from collections.abc import Callable, Iterable
 from enum import Enum
+from ipaddress import ip_address, ip_network
 from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
@@ -96,7 +97,7 @@ class Guard:
     Args:
         most: maximum connections in total.
         each: maximum connections per address.
-        exempt: addresses without that maximum, which speak for many.
+        exempt: addresses or networks without that maximum, which speak for many.
         now_s: a monotonic clock.
 
     Attributes:
@@ -107,7 +108,8 @@ class Guard:
     def __init__(
         self, *, most: int, each: int, exempt: Iterable[str] = (), now_s: Callable[[], float] = time.monotonic
     ) -> None:
-        self._most, self._each, self._exempt, self._now_s = most, each, frozenset(exempt), now_s
+        self._most, self._each, self._now_s = most, each, now_s
+        self._exempt = tuple(ip_network(each) for each in exempt)
         self._visits: dict[asyncio.BaseTransport, Visit] = {}
         """By transport, the oldest first."""
         self._of: dict[str, dict[asyncio.BaseTransport, Visit]] = {}
@@ -128,7 +130,7 @@ class Guard:
             return
         peer = transport.get_extra_info("peername")
         address = str(peer[0]) if isinstance(peer, tuple) and peer else ""
-        address = "" if address in self._exempt else neighbourhood(address)
+        address = "" if self._exempted(address) else neighbourhood(address)
         visit = Visit(transport, address, protocol, self._now_s())
         others = self._of.get(address, {})
         if (address and len(others) >= self._each and not self._make_room(others.values())) or (
@@ -138,6 +140,15 @@ class Guard:
         else:
             self._visits[transport] = visit
             self._of.setdefault(address, {})[transport] = visit
+
+    def _exempted(self, address: str) -> bool:
+        if not self._exempt or not address:
+            return False
+        try:
+            parsed = ip_address(address.partition("%")[0])
+        except ValueError:
+            return False
+        return any(parsed in network for network in self._exempt)
 
     def leave(self, transport: asyncio.BaseTransport) -> None:
         """A connection has ended; harmless when repeated."""

@@ -99,7 +99,7 @@ class Server(uvicorn.Server):
             access_log=settings.log_level == "debug",
             # Otherwise uvicorn would believe any program on this machine about its client's address.
             proxy_headers=bool(settings.trusted_proxies),
-            forwarded_allow_ips=settings.trusted_proxies,
+            forwarded_allow_ips=[str(network) for network in settings.trusted_proxies],
             server_header=False,
             ws_max_size=INCOMING_BYTES,
             # Each client's frames are compressed with the earlier ones as context: a fifth of the bytes, for some 20 us a frame.
@@ -145,5 +145,5 @@ class Server(uvicorn.Server):
 
 
 def proxies(settings: Settings) -> list[str]:
-    """The addresses of trusted proxies: each speaks for many."""
-    return [each.strip() for each in settings.trusted_proxies.split(",") if each.strip()]
+    """The networks of trusted proxies: each address speaks for many."""
+    return [str(network) for network in settings.trusted_proxies]

@@ -6,6 +6,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.file_needed": "Eine Datei wählen.",
   "rowFault.no_base64": "Die Datei kam nicht ganz an. Noch einmal wählen.",
   "rowFault.csv_encoding": "Ihre Buchstaben haben eine Kodierung, die hier nicht gelesen wird. Die Tabelle als CSV UTF-8 speichern.",
+  "rowFault.csv_workbook": "Das ist eine Arbeitsmappe, kein CSV. Die Tabelle als CSV UTF-8 speichern.",
   "rowFault.csv_read_as": "Die Datei sagt nicht, wie sie kodiert ist; sie wurde als {encoding} gelesen. Die Buchstaben ansehen und als CSV UTF-8 speichern, wo einer falsch ist.",
   "rowFault.csv_cell_too_long": "Eine Zelle hat mehr als {most} Zeichen. Ein Anführungszeichen fehlt, oder das ist keine CSV-Datei.",
   "rowFault.csv_row_too_wide": "Die Zeile hat {count} Zellen, und es gibt {columns} Spalten. Eine Zelle, in der das Trennzeichen vorkommt, in Anführungszeichen setzen.",

@@ -3,6 +3,7 @@ export const rows = {
   "rowFault.file_needed": "Choose one file.",
   "rowFault.no_base64": "The file did not come whole. Choose it again.",
   "rowFault.csv_encoding": "Its letters are in an encoding that is not read here. Save the spreadsheet as CSV UTF-8.",
+  "rowFault.csv_workbook": "This is a workbook, not CSV. Save the spreadsheet as CSV UTF-8.",
   "rowFault.csv_read_as": "The file does not say its encoding; it was read as {encoding}. Look at its letters, and save it as CSV UTF-8 where one is wrong.",
   "rowFault.csv_cell_too_long": "A cell has more than {most} characters. A quotation mark is missing, or this is no CSV file.",
   "rowFault.csv_row_too_wide": "The row has {count} cells, and there are {columns} columns. Put a cell in which the separator stands into quotation marks.",

@@ -6,6 +6,7 @@ export const rows: Catalogue<typeof en> = {
   "rowFault.file_needed": "Elija un archivo.",
   "rowFault.no_base64": "El archivo no llegó entero. Elíjalo de nuevo.",
   "rowFault.csv_encoding": "Sus letras tienen una codificación que aquí no se lee. Guarde la hoja como CSV UTF-8.",
+  "rowFault.csv_workbook": "Es un libro de cálculo, no un CSV. Guarde la hoja como CSV UTF-8.",
   "rowFault.csv_read_as": "El archivo no dice su codificación; se leyó como {encoding}. Mire sus letras y guárdelo como CSV UTF-8 si alguna está mal.",
   "rowFault.csv_cell_too_long": "Una celda tiene más de {most} caracteres. Faltan unas comillas, o no es un archivo CSV.",
   "rowFault.csv_row_too_wide": "La fila tiene {count} celdas y hay {columns} columnas. Ponga entre comillas la celda que contiene el separador.",

@@ -43,6 +43,11 @@ class Catalogue(msgspec.Struct, frozen=True, kw_only=True):
     gone_heading: str
     gone_note: str
 
+    unknown_heading: str
+    unknown_note: str
+    unknown_back: str
+    unknown_skip: str
+
     station_heading: str
     station_note: str
     no_station: str
