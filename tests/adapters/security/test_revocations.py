@@ -1,4 +1,4 @@
-"""Certificates that were called back: believed by nobody who has the list, from the moment it is copied."""
+"""Certificates that were revoked: believed by nobody who has the list, from the moment it is copied."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def hears(listener: Seals, speaker: Seals, name: str) -> bool:
     try:
         listener.examine(speaker.seal("p/k", 1, 1, b"said"), name, "p/k", 1, 1, b"said")
     except SealError as refused:
-        return "called back" not in str(refused)
+        return "revoked" not in str(refused)
     return True
 
 
@@ -135,7 +135,7 @@ def test_any_tool_can_read_the_list_and_its_reasons(folder: Path) -> None:
 
 def test_a_process_whose_own_certificate_was_called_back_does_not_begin(folder: Path) -> None:
     revoke(folder, "ATV1")
-    with pytest.raises(SettingsError, match="was called back"):
+    with pytest.raises(SettingsError, match="was revoked"):
         seals(folder, "ATV1")
 
 
@@ -150,7 +150,7 @@ def test_a_process_whose_certificate_is_called_back_while_it_runs_says_so(
     clock.now_s += LOOK_EVERY_S
     with caplog.at_level(logging.ERROR):
         assert own in known
-    assert "this process's certificate was called back" in caplog.text
+    assert "this process's certificate was revoked" in caplog.text
 
 
 def test_an_agent_of_whom_nothing_was_issued_is_named(folder: Path) -> None:

@@ -81,7 +81,7 @@ class Register:
         if kind is None:
             raise SealError(f"its certificate does not name {agent}", data)
         if certified.serial in self._revoked:
-            raise SealError("its certificate was called back", data)
+            raise SealError("its certificate was revoked", data)
         if self._now_s() > certified.until_s:
             raise SealError("its certificate has expired", data)
         return certified, kind

@@ -120,15 +120,15 @@ class Revocations:
             return
         self._mark = mark
         if mark is None:
-            log.warning("%s is gone: what was called back stays so", self._file)
+            log.warning("%s is gone: what was revoked stays so", self._file)
             return
         try:
             self._take(_read(self._file, self._authorities))
         except SettingsError as error:
-            log.warning("%s; what was called back before stays so", error)
+            log.warning("%s; what was revoked before stays so", error)
         if self._own in self._known:
             log.error(
-                "this process's certificate was called back: nobody hears it; `dray certs issue`, and restart it"
+                "this process's certificate was revoked: nobody hears it; `dray certs issue`, and restart it"
             )
 
     def _marked(self) -> tuple[int, int, int] | None:

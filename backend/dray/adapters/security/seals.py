@@ -125,7 +125,7 @@ class Seals:
         if own.serial_number in revocations:
             raise SettingsError(
                 str(identity.certificate),
-                f"was called back ({revoked}); make a new one with `dray certs issue`",
+                f"was revoked ({revoked}); make a new one with `dray certs issue`",
             )
         self.until_s = own.not_valid_after_utc.timestamp()
         self.certificate = own.public_bytes(serialization.Encoding.DER)
