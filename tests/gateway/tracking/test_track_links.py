@@ -224,7 +224,10 @@ async def test_a_link_needs_no_body_but_what_is_sent_must_be_json(house: House) 
 
 async def test_an_unknown_link_says_what_to_do(house: House) -> None:
     told = problem(await house.visitor().get("/api/track/guess"), 404, "unknown-tracking-page")
-    assert told["detail"] == "nothing has the link 'guess'; look whether all of it was copied, or ask for a new one"
+    assert (
+        told["detail"]
+        == "nothing has the link 'guess'; look whether all of it was copied, or ask for a new one"
+    )
 
 
 async def test_an_order_has_only_so_many_links_and_those_that_ended_do_not_pile_up(

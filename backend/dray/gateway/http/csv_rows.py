@@ -173,11 +173,7 @@ def read_rows(text: str, columns: Sequence[str], needed: Sequence[str]) -> tuple
 
 def number(text: str) -> int | str:
     """The whole number in a cell; else the cell itself, to be refused later."""
-<<<<<<< HEAD
-    return int(text) if re.fullmatch("-?[0-9]{1,9}", text) else text
-=======
     return int(text) if _WHOLE.fullmatch(text) else text
->>>>>>> y-b
 
 
 def _filled(rows: Iterable[list[str]]) -> Iterator[tuple[int, list[str]]]:
