@@ -344,7 +344,7 @@ class _Game:
         if run.cancelled:
             group.create_task(Canceller(bus, now, whom).cancel(run.cancelled))
         if run.revocations:
-            group.create_task(Revoker(bus, now, whom).revoke(run.revocations))
+            group.create_task(Revoker(bus, now, whom, run.cancelled).revoke(run.revocations))
         if run.calls:
             group.create_task(TransportCaller(bus, now).call(run.calls))
 

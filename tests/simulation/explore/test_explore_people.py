@@ -155,3 +155,22 @@ def test_an_order_that_was_fulfilled_when_it_is_taken_back_is_not_published_agai
 
     run(revoke(), JUMP)
     assert said == [OrderRevoked("D1", 1)]
+
+
+def test_an_order_that_is_cancelled_while_it_is_taken_back_is_not_published_again() -> None:
+    said: list[Message] = []
+
+    async def revoke() -> None:
+        network = SimNetwork(clock(), Random(1))
+
+        def answer(sender: str, message: Message) -> None:
+            said.append(message)
+            strategist.send(sender, RevocationTaken("D1", 1, (6,)))
+
+        strategist = network.join("strategist", answer)
+        order = Order(id="D1", at_s=0.0, items=(OrderItem("P1", 6),), due_s=900.0)
+        revoker = Revoker(network, clock(), cancellations=((15.0, "D1"),))
+        await revoker.revoke((Revocation(order, ((10.0, 20.0), (30.0, 40.0))),))
+
+    run(revoke(), JUMP)
+    assert said == [OrderRevoked("D1", 1)]

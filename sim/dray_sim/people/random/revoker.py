@@ -16,6 +16,7 @@ from dray.messages import (
 )
 from dray.messages.keys import STRATEGIST
 from dray.ports import Bus
+from dray.protocol.runtime.events import NEVER_S
 from dray_sim.clock.loop import VirtualClock
 from dray_sim.people.demand import Order
 
@@ -43,17 +44,25 @@ class Revoker:
     """Revokes orders, and publishes their outstanding parts again.
 
     Like the gateway it publishes only after the strategist's answer, with the quantities of that answer and what has
-    arrived.
+    arrived; and never what was cancelled.
 
     Args:
         bus: joined at once.
         clock: the plant's clock.
         strategists: receive the messages.
+        cancellations: times and orders (see `Canceller.cancel`).
     """
 
-    def __init__(self, bus: Bus, clock: VirtualClock, strategists: tuple[str, ...] = (STRATEGIST,)) -> None:
+    def __init__(
+        self,
+        bus: Bus,
+        clock: VirtualClock,
+        strategists: tuple[str, ...] = (STRATEGIST,),
+        cancellations: Iterable[tuple[float, str]] = (),
+    ) -> None:
         self._session = bus.join(NAME, self._on_message)
         self._clock, self._strategists = clock, strategists
+        self._cancelled_s = {order: at_s for at_s, order in cancellations}
         self._waiting: dict[tuple[type[Message], str, int], asyncio.Future[Message]] = {}
 
     async def revoke(self, revocations: Iterable[Revocation]) -> None:
@@ -75,6 +84,8 @@ class Revoker:
             if not any(item.quantity for item in items):
                 return
             await self._until(again_s)
+            if self._cancelled_s.get(order.id, NEVER_S) <= self._clock.now_s():
+                return
             again = OrderReleased(order=order.id, items=items, due_s=order.due_s, release=release + 1)
             await self._say(again, OrderTaken, order.id, release + 1)
 
