@@ -15,10 +15,10 @@ OF_PROGRAMS = frozenset(
         # What no panel does: it sends JSON under known addresses, with versions, keys of its own and parameters that there are.
         *("command-name-used", "key-used", "method-not-allowed", "no-rule", "no-version", "not-called-form"),
         *("not-called-json", "not-found", "not-json", "not-ready", "odd-precondition", "unknown-host"),
-        "unknown-parameter",
+        *("unknown-parameter", "unknown-plan"),
         # Told by the server's own pages, or with times and fields that the kind alone does not tell.
         *("not-logged-in", "too-late", "too-many-logins", "too-many-tries", "tracking-link-ended"),
-        *("unusable-fields", "wrong-login", "login-link-used-up"),
+        *("unknown-tracking-page", "unusable-fields", "wrong-login", "login-link-used-up"),
     }
 )
 """Those that no panel tells in its own words."""
